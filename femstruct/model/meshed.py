@@ -276,6 +276,11 @@ class Meshed(ABC):
         """Where its stresses are largest, and what they are of its nodes. Raises InputError for a part without."""
         raise InputError(f"parts.{self.name}", got="a part without stresses", expected="a plate or a frame")
 
+    def moved(self, displacement: Floats, weight: float) -> Floats:
+        """Displacements [p, 3] of places that tell how far it moves, of those of all nodes [n_nodes, 7] [m]; weight :
+        the gravity that it is under beside [m/s^2], 0 for none."""
+        return displacement[self.nodes, :3]
+
     def lines_across(self, along: Floats, origin: Floats) -> Floats:
         """Places of the lines between its cells along a direction [3] in its face, from an origin [3] on [m]."""
         return np.zeros(0)

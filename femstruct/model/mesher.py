@@ -27,8 +27,9 @@ def mesh_structure(structure: Structure) -> Model:
     """The meshed model of a structure.
 
     Plates have rectangular grids, bars run along their lines, a block has one node. Nodes are put where joints, regions
-    and their edges, supports, and points that carry a spring, a mass or a support need them; sizes and divisions of the
-    parts are the least density between. A point that is only driven or recorded is interpolated and moves no node.
+    and their edges, supports, and points that carry a spring, a mass or a support need them, and at all points of
+    frames; sizes and divisions of the parts are the least density between. A point of a plate that is only driven or
+    recorded is interpolated and moves no node; so is one of bars where these have the nodes of a plate.
     A frame line lying in a plate it is joined to takes the plate's nodes, whatever its own size. Every part has nodes
     of its own; parts are connected by joints, which are equations, and by springs and foundations.
 

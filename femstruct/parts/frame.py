@@ -129,7 +129,8 @@ class Frame(Part):
             axes = directions(ends[:, 0], ends[:, 1], self.orientation)
         except InputError as error:
             raise InputError(f"parts.{self.name}.{error.where}", got=error.got, expected=error.expected) from error
-        return FrameMesh(self, first, points, first + bars, ends[:, 0], ends[:, 1], arms, axes)
+        covering = layout.covering.get(self.name, 0.0)
+        return FrameMesh(self, first, points, first + bars, ends[:, 0], ends[:, 1], arms, axes, covering)
 
 
 def _merged(places: Floats, tolerance: float) -> tuple[Floats, Integers]:

@@ -63,6 +63,9 @@ class Mass(Part):
     def needs(self, layout: Layout) -> None:
         if self.on is not None and self.on not in layout.segments:
             layout.on_region(f"parts.{self.name}.region", self.on, self.region or Region("whole"))
+        elif self.on is not None:
+            each = self.mass if self.per == "length" else self.mass / layout.length(self.on)
+            layout.covering[self.on] = layout.covering.get(self.on, 0.0) + each
 
     def fastened(self, model: Model, tolerance: float) -> tuple[Inert]:
         if not self.mass > 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -194,3 +195,81 @@ def test_a_moment_that_falls_along_a_bar_is_not_uneven() -> None:
     found = stress_at_rest(model.parts["bar"].stresses(model.mesh.n_nodes), rest.displacement)
     assert found.largest.max() == pytest.approx(100.0 / (0.02 * 0.04**2 / 6), rel=1e-9)  # rounding
     assert not list(stress_findings({"bar": found}))
+
+
+ENDS = {"hinged": (("x", "y", "z", "rx"), ("x", "y", "z")), "clamped": ("clamped", "clamped")}
+
+
+def beam(element: str, ends: str, **also: Any) -> fs.Structure:
+    """A bar of 1 m, 20 by 40 mm, of one element where no point asks for more, held at both ends."""
+    bar = fs.Frame("bar", STEEL, rectangle("s", 0.02, 0.04), (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),), element=element)
+    places = {"left": 0.0, "right": 1.0} | also.get("points", {})
+    points = tuple(fs.PlaceOn(name, "bar", at=((x, 0.0, 0.0),)) for name, x in places.items())
+    supports = tuple(fs.Support(f"at {at}", fix, at=at) for at, fix in zip(places, ENDS[ends], strict=False))
+    return fs.Structure("a beam", (bar, *also.get("parts", ())), points=points, supports=supports)
+
+
+@pytest.mark.parametrize(
+    ("element", "ends"),
+    [("euler", "hinged"), ("timoshenko", "hinged"), ("timoshenko18", "hinged"), ("timoshenko18", "clamped")],
+)
+@pytest.mark.parametrize("paint", [None, 40.0])
+def test_one_bar_sags_and_is_stressed_between_its_ends(element: str, ends: str, paint: float | None) -> None:
+    """w L^2 / 8 in the middle of a beam on hinges, w L^2 / 12 at clamped ends; 5 or 1 w L^4 / 384 E I, and the shear
+    w L^2 / 8 k G A beside. With a mass along it, too."""
+    moment, bent = {"hinged": (1 / 8, 5 / 384), "clamped": (1 / 12, 1 / 384)}[ends]
+    parts = () if paint is None else (fs.Mass("paint", paint, on="bar", per="length"),)
+    model, rest = at_rest(beam(element, ends, parts=parts), weight=True)
+    A, I, W = 8e-4, 0.02 * 0.04**3 / 12, 0.02 * 0.04**2 / 6  # noqa: E741 - the second moment of area
+    w = GRAVITY * (7850.0 * A + (paint or 0.0))
+    found = stress_at_rest(model.parts["bar"].stresses(model.mesh.n_nodes), rest.displacement, weight=True)
+    assert found.largest.max() == pytest.approx(w * moment / W, rel=1e-8)  # rounding of bars of three nodes
+    sag = w * bent / (STEEL.E * I) + (0.0 if element == "euler" else w / (8 * 5 / 6 * STEEL.G * A))
+    moved = model.parts["bar"].moved(rest.displacement, GRAVITY)
+    assert -moved[:, 2].min() == pytest.approx(sag, rel=1e-8)  # rounding
+    (one,) = sags(model, fs.modal_basis(fs.assemble(model), count=1))
+    assert one.sag == pytest.approx(sag, rel=1e-8)  # check says the same
+
+
+@pytest.mark.parametrize("element", ["euler", "timoshenko", "timoshenko18"])
+def test_a_rod_stretches_between_its_ends(element: str) -> None:
+    """An upright bar held at both ends: w L^2 / 8 E A in its middle, w L / 2 A at both ends."""
+    line = (((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),)
+    bar = fs.Frame("bar", STEEL, rectangle("s", 0.02, 0.04), line, element=element)
+    points = tuple(fs.PlaceOn(name, "bar", at=((0.0, 0.0, z),)) for name, z in (("foot", 0.0), ("head", 1.0)))
+    held = {"foot": ("x", "y", "z", "rz"), "head": ("x", "y", "z")}
+    supports = tuple(fs.Support(f"at {at}", fix, at=at) for at, fix in held.items())
+    model, rest = at_rest(fs.Structure("a rod", (bar,), points=points, supports=supports), weight=True)
+    moved = model.parts["bar"].moved(rest.displacement, GRAVITY)
+    assert -moved[:, 2].min() == pytest.approx(7850.0 * GRAVITY / 8 / STEEL.E, rel=1e-8)  # rounding
+    found = stress_at_rest(model.parts["bar"].stresses(model.mesh.n_nodes), rest.displacement, weight=True)
+    assert found.largest.max() == pytest.approx(7850.0 * GRAVITY / 2, rel=1e-8)  # rounding
+
+
+@pytest.mark.parametrize("element", ["euler", "timoshenko", "timoshenko18"])
+@pytest.mark.parametrize("at", [0.5, 0.3])
+def test_a_force_anywhere_along_a_bar_bends_it_as_a_beam(element: str, at: float) -> None:
+    """On hinges P a b / L under the force; P a^2 b^2 / 3 E I L, and the shear P a b / k G A L: also the static limit of
+    a frequency response."""
+    model, rest = at_rest(beam(element, "hinged", points={"hit": at}), ("hit", "z", -100.0))
+    I, W, ab = 0.02 * 0.04**3 / 12, 0.02 * 0.04**2 / 6, at * (1.0 - at)  # noqa: E741 - the second moment of area
+    found = stress_at_rest(model.parts["bar"].stresses(model.mesh.n_nodes), rest.displacement)
+    assert found.largest.max() == pytest.approx(100.0 * ab / W, rel=1e-8)  # rounding
+    each = ab**2 / (3 * STEEL.E * I) + (0.0 if element == "euler" else ab / (5 / 6 * STEEL.G * 8e-4))
+    hit = model.points["hit"].probe("z")
+    assert rest.of(hit) == pytest.approx(-100.0 * each, rel=1e-8)  # rounding
+    basis = fs.modal_basis(fs.assemble(model), count=1, probes=[hit])
+    assert fs.frf(basis, hit, hit, [0.0])[0].real == pytest.approx(each, rel=1e-8)  # rounding
+
+
+def test_a_point_of_a_rib_leaves_the_grid_of_its_plate() -> None:
+    """Where bars have the nodes of a plate, a point of them moves none, as one of the plate does not."""
+    plate = fs.Plate("plate", STEEL, 0.01, origin=(0.0, 0.0, 0.0), size=(1.0, 0.8), mesh=(4, 4))
+    rib = fs.Frame("rib", STEEL, rectangle("s", 0.02, 0.04), (((0.0, 0.4, 0.0), (1.4, 0.4, 0.0)),), mesh=0.4)
+    joint = fs.Joint("weld", "plate", "rib")
+    counts = []
+    for x in ((), (0.37,), (1.13,)):
+        points = tuple(fs.PlaceOn("hit", "rib", at=((one, 0.4, 0.0),)) for one in x)
+        model = fs.mesh_structure(fs.Structure("ribbed", (plate, rib), joints=(joint,), points=points))
+        counts.append((len(model.parts["plate"].nodes), len(model.parts["rib"].lines)))
+    assert counts == [(25, 5), (25, 5), (25, 6)]  # beyond the plate the rib has a node of its own more

@@ -57,7 +57,7 @@ class Layout:
     tolerance : places closer than this are one [m]. rectangles, segments, boxes : what joints can meet, by part;
     vertices [n, 3] : points of the lines of bars. bodies : what layers can lie against. given : names of parts whose
     nodes are their own, as of a mesh from a file: what asks for a node there finds those that it has. taken : cells
-    that parts take of their files.
+    that parts take of their files. covering : mass per length along all bars of a part, beside their own [kg/m].
     """
 
     def __init__(self, tolerance: float) -> None:
@@ -72,6 +72,7 @@ class Layout:
         self.stretched: frozenset[str] = frozenset()
         self.given: set[str] = set()
         self.taken: Users = ()
+        self.covering: dict[str, float] = {}
         self.grids: dict[Key, Axis] = {}
         self.shared: list[SharedLine] = []
 
@@ -100,13 +101,24 @@ class Layout:
         for direction in (0, 1):
             self.grids[name, direction].require(float(local[direction]))
 
-    def on_bars(self, name: str, position: Floats) -> None:
-        """Nodes of bars at a place, on every piece that passes through it."""
+    def on_bars(self, name: str, position: Floats, *, own: bool = False) -> None:
+        """Nodes of bars at a place, on every piece that passes through it; own : but where these are those of a plate,
+        too."""
         for segment in self.segments[name]:
             starts, ends = np.stack([segment.feet, [segment.start, segment.end]], axis=1)
-            for distance, place in zip(*distance_to_segments(position, starts, ends), strict=True):
-                if distance <= self.tolerance:
-                    self.grids[segment.key].require(float(place) * self.grids[segment.key].length)
+            for distance, share in zip(*distance_to_segments(position, starts, ends), strict=True):
+                place = float(share) * self.grids[segment.key].length
+                if distance <= self.tolerance and not (own and self._common(segment.key, place)):
+                    self.grids[segment.key].require(place)
+
+    def _common(self, key: Key, place: float) -> bool:
+        """Whether nodes at a place of an axis are those of another one, too."""
+        tracks = [track for line in self.shared for track in (line.source, line.target) if track.key == key]
+        return any(min(track.start, track.end) <= place <= max(track.start, track.end) for track in tracks)
+
+    def length(self, name: str) -> float:
+        """Length of all bars of a part [m]."""
+        return float(sum(np.linalg.norm(segment.end - segment.start) for segment in self.segments[name]))
 
     def on_region(self, where: str, name: str, region: Region) -> None:
         """Grid lines along the sides of a region; InputError where there is no rectangle of that name."""

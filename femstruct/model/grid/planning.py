@@ -43,6 +43,7 @@ def planned(structure: Structure) -> Layout:
     _carrying_points(structure, layout)
     for joint in structure.joints:
         _joint(layout, joint, {part.name: part for part in structure.parts})
+    _points_of_bars(structure, layout)
     layout.stretched = stretched(structure, layout)
     return layout
 
@@ -57,6 +58,14 @@ def _carrying_points(structure: Structure, layout: Layout) -> None:
         for number, place in enumerate(point.at):
             if point.name in used or (f"{point.name}.{number + 1}" in used & numbered):
                 _carrying_place(layout, point, np.asarray(place, dtype=np.float64))
+
+
+def _points_of_bars(structure: Structure, layout: Layout) -> None:
+    """Nodes at all points of bars: a force between the nodes of a bar bends it less than it should, P L^3 / 192 E I
+    in its middle, and its moment there is not seen. Where bars have the nodes of a plate, the plate's size counts."""
+    for point in structure.points:
+        for place in point.at if point.on in layout.segments else ():
+            layout.on_bars(point.on, np.asarray(place, dtype=np.float64), own=True)
 
 
 def _carrying_place(layout: Layout, point: PlaceOn, place: Floats) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
-from femstruct.conventions import N_COMPONENTS
+from femstruct.conventions import N_COMPONENTS, UZ
 from femstruct.elements import frame, placement
 from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.quadrature import gauss_interval
@@ -24,10 +24,15 @@ from femstruct.model.probe import Point, StressPlaces
 from femstruct.model.region import Region
 from femstruct.model.rows import carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
+from femstruct.parts.of_frames import loaded_bar
 from femstruct.parts.of_frames.frame_lines import frame_segments
 
 if TYPE_CHECKING:
     from femstruct.parts.frame import Frame
+
+BETWEEN = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Places along every bar where it is looked at: what an even load adds is a parabola, largest anywhere. Its peak is
+missed by p L^2 / 128 at most; a simply supported bar has p L^2 / 8, in its middle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +42,7 @@ class FrameMesh(Meshed):
     first : number of its first node. stands [n, 3] : places of its nodes [m]. bars [b, k] : the two end nodes, then the
     middle one of bars of three. start, end [b, 3] : ends of the flexible bars, at the tips of the rigid arms [m].
     arms [b, k, 3] : from the nodes to the flexible bar, global axes [m]. axes [b, 3, 3] : rows are local x, y, z.
+    covering : mass that lies evenly along all of it beside its own [kg/m].
     """
 
     part: Frame
@@ -47,6 +53,7 @@ class FrameMesh(Meshed):
     end: Floats
     arms: Floats
     axes: Floats
+    covering: float = 0.0
 
     def __post_init__(self) -> None:
         where = f"parts.{self.part.name}"
@@ -176,8 +183,7 @@ class FrameMesh(Meshed):
         bars = np.array([int(np.argmin(distances)) for distances, _ in nearest], dtype=np.int64)
         shares = np.array([along[bar] for bar, (_, along) in zip(bars, nearest, strict=True)])
         nodes, rows = self.rows(bars, shares)
-        feet = self.start[bars] + shares[:, None] * (self.end - self.start)[bars]
-        return nodes, carried(rows, places - feet)
+        return nodes, carried(rows, places - self._along(bars, shares))
 
     def section_forces(self, bars: Integers, shares: Floats) -> Floats:
         """Rows [p, 6, k, 7] of N Vy Vz [N] and T My Mz [N m] at places along bars, as
@@ -188,8 +194,9 @@ class FrameMesh(Meshed):
         return self._on_nodes(local, bars)
 
     def stresses(self, n_nodes: int) -> StressPlaces:
-        """Stretch, bending and torsion at both ends of every bar, at the outermost points of its section; what shear
-        forces add is left out. The largest shear stress of torsion is taken for every point, on the safe side."""
+        """Stretch, bending and torsion at both ends of every bar and between them, at the outermost points of its
+        section; what shear forces add is left out. The largest shear stress of torsion is taken for every point, on the
+        safe side."""
         section = self.part.section
         if not section.outline:
             raise InputError(
@@ -198,21 +205,42 @@ class FrameMesh(Meshed):
                 expected="an outline for stresses",
                 do="give the section by its shape, such as {shape: box, ..}",
             )
-        bars, shares = np.repeat(np.arange(len(self.bars)), 2), np.tile([0.0, 1.0], len(self.bars))
+        bars, shares = self._looked_at()
         rows = self._at_outline(self.section_forces(bars, shares))
-        carried = self._at_outline(self._carried().reshape(-1, 6, 3, 1))
+        load = self._load()[bars]
+        added = [loaded_bar.forces(self.part.element, load[..., i], self.lengths[bars], shares) for i in range(3)]
+        carried = self._at_outline(np.stack(added, axis=-1)[:, :, None])
         count, points = len(bars), len(section.outline)
-        ends = np.stack([self.start, self.end], axis=1).reshape(-1, 3)
         across = np.einsum("pc,bcj->bpj", np.array(section.outline), self.axes[bars][:, 1:])
         nodes = np.repeat(self.bars[bars], points, axis=0)
         return StressPlaces(
-            (ends[:, None] + across).reshape(-1, 3),
+            (self._along(bars, shares)[:, None] + across).reshape(-1, 3),
             ("xx", "xy"),
             sparse_rows(nodes, rows.reshape(count * points, 2, -1, N_COMPONENTS), n_nodes),
             tuple(f"at y = {1e3 * a:.4g} mm, z = {1e3 * b:.4g} mm of the section" for a, b in section.outline),
             axes=np.repeat(self.axes[bars], points, axis=0),
             carried=carried.reshape(-1, 2, 3),
         )
+
+    def moved(self, displacement: Floats, weight: float) -> Floats:
+        """Of places along its bars, with what they sag between their nodes."""
+        part, (E, G, section) = self.part, self.part.along
+        bars, shares = self._looked_at()
+        nodes, rows = self.rows(bars, shares)
+        found = np.einsum("pikc,pkc->pi", rows[:, :3], displacement[nodes])
+        A, Iy, Iz, ky, kz = section.A, section.Iy, section.Iz, section.ky, section.kz
+        load, lengths = weight * self._load()[bars, :, UZ], self.lengths[bars]
+        sagged = loaded_bar.deflection(part.element, load, lengths, shares, E, G, A, Iy, Iz, ky, kz)
+        return np.asarray(found + np.einsum("pi,pij->pj", sagged, self.axes[bars]))
+
+    def _looked_at(self) -> tuple[Integers, Floats]:
+        """Bars [p] and shares [p] of their length: `BETWEEN` of each."""
+        count = len(self.bars)
+        return np.repeat(np.arange(count), len(BETWEEN)), np.tile(BETWEEN, count)
+
+    def _along(self, bars: Integers, shares: Floats) -> Floats:
+        """Places [p, 3] on the axes of bars [m]."""
+        return np.asarray(self.start[bars] + shares[:, None] * (self.end - self.start)[bars])
 
     def _at_outline(self, forces: Floats) -> Floats:
         """Stresses xx and xy [p, o, 2, k, c] at the outermost points of the section, of section forces [p, 6, k, c]."""
@@ -223,21 +251,9 @@ class FrameMesh(Meshed):
         shear = np.broadcast_to(T * section.twist_arm / section.J, normal.shape)
         return np.stack([normal, shear], axis=2)
 
-    def _carried(self) -> Floats:
-        """Section forces [b, 2, 6, 3] at both ends of bars that accelerate along x, y, z [N s^2/m, N s^2], without the
-        shear forces: what the strains of their nodes leave out, which are those of bars that are loaded at their ends.
-
-        The load p = -rho A a between nodes that hold the bar: E I v'' = p L^2 / 12 at its ends, and N = +-p L / 2,
-        which bars of three nodes strain by.
-        """
-        load = -self.part.material.rho * self.part.section.A * self.axes
-        lengths = self.lengths[:, None]
-        found = np.zeros((len(self.bars), 2, 6, 3))
-        if self.bars.shape[1] == 2:
-            found[:, 0, 0], found[:, 1, 0] = load[:, 0] * lengths / 2.0, -load[:, 0] * lengths / 2.0
-        found[:, :, 4] = -(load[:, 2] * lengths**2 / 12.0)[:, None]
-        found[:, :, 5] = (load[:, 1] * lengths**2 / 12.0)[:, None]
-        return found
+    def _load(self) -> Floats:
+        """Forces per length along local x, y, z [b, 3, 3] [N s^2/m^2] of bars that accelerate along global x, y, z."""
+        return np.asarray(-(self.part.material.rho * self.part.section.A + self.covering) * self.axes)
 
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
         where, up = f"points.{name}", np.array([0.0, 0.0, 1.0])
@@ -256,7 +272,7 @@ class FrameMesh(Meshed):
                 expected="a place on its axis",
             )
         nodes, rows = self.rows(np.array([bar]), shares[[bar]])
-        position = self.start[bar] + shares[bar] * (self.end[bar] - self.start[bar])
+        (position,) = self._along(np.array([bar]), shares[[bar]])
         return Point(name, position, *flat_rows(nodes, rows, np.ones(1)), normal=up)
 
     def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:

@@ -74,4 +74,4 @@ def _places(name: str, solved: Solved) -> tuple[str, StressPlaces, str]:
     apart = np.linalg.norm(positions - point.position, axis=1)
     nearest = int(apart.argmin())
     beside = rows.some(nearest * len(rows.sides) + np.arange(len(rows.sides)))
-    return on, beside, f", {apart[nearest]:.3g} m from {name}"
+    return on, beside, f", {round(float(apart[nearest]), 9):.3g} m from {name}"

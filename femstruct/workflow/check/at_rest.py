@@ -10,7 +10,7 @@ import numpy as np
 
 from femstruct.assembly.assemble import assemble
 from femstruct.assembly.forces import GROUND
-from femstruct.conventions import DIRECTIONS
+from femstruct.conventions import DIRECTIONS, GRAVITY
 from femstruct.errors import InputError
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.language import read_model_file
@@ -59,7 +59,7 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
         "points": {
             name: [rest.of(point.probe(direction)) for direction in DIRECTIONS] for name, point in model.points.items()
         },
-        "parts_m": {name: _largest(part, rest) for name, part in model.parts.items()},
+        "parts_m": {name: _largest(part, rest, weight) for name, part in model.parts.items()},
         "forces_n": {name: force.tolist() for name, force in rest.forces.items()},
         "on_the_ground": [name for name in rest.forces if name in (*assembly.grounded, GROUND)],
         "held_inside": _held_inside(source.structure, rest),
@@ -77,10 +77,10 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
     }
 
 
-def _largest(part: Meshed, rest: AtRest) -> float:
+def _largest(part: Meshed, rest: AtRest, weight: bool) -> float:
     """Largest displacement of a part [m]: of its nodes; of a block, of its corners: its only node is in it."""
     if part.box is None:
-        moved = rest.displacement[part.nodes, :3]
+        moved = part.moved(rest.displacement, GRAVITY if weight else 0.0)
     else:
         corners = np.array(list(product(*part.box.T)))
         nodes, rows = part.motion_at(corners, 0.0)

@@ -35,7 +35,7 @@ def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
         if not (part.mass or part.rigid or len(part.quads) or len(part.lines)):
             continue
         leaning = float(np.hypot(*moved[part.first, 3:5])) if part.rigid else None
-        found.append(Sag(name, float(-moved[part.nodes, 2].min()), leaning))
+        found.append(Sag(name, float(-part.moved(moved, GRAVITY)[:, 2].min()), leaning))
     return tuple(found)
 
 
