@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
+from scipy.spatial.transform import Rotation
 
 import femstruct as fs
 from femstruct.model.section import rectangle
@@ -47,6 +48,22 @@ def test_simple_edges_hold_a_flat_plate_and_leave_its_bending_as_it_was() -> Non
         print(basis.frequency_hz[moved > 1e-6])
     found = basis_of(LYING, supports=SIMPLE, count=12).frequency_hz[:12]
     assert found == pytest.approx(stiff, rel=1e-9)  # rounding of the solver
+
+
+@pytest.mark.parametrize("turn", [(0.3, 0.0, 0.0), (0.0, -0.6, 0.0), (0.3, -0.5, 0.8), (0.7, 0.1, -2.0)])
+@pytest.mark.parametrize(("supports", "rigid"), [(SIMPLE, 0), (BOTH_ENDS[:1], 1)])
+def test_simple_edges_hold_a_plate_that_slopes_as_one_that_lies(
+    turn: tuple[float, ...], supports: tuple[fs.Support, ...], rigid: int
+) -> None:
+    """A roof has the modes of the floor that it is when it lies; on one edge it turns about that alone.
+    The rounding of its axes was taken for what holds it in its plane, and it slid."""
+    axes = Rotation.from_rotvec(turn).as_matrix()
+    roof = replace(LYING, normal=tuple(axes[:, 2].tolist()), x_direction=tuple(axes[:, 0].tolist()), mesh=(6, 4))
+    lying, sloping = (basis_of(one, supports=supports, count=8) for one in (replace(LYING, mesh=(6, 4)), roof))
+    assert (lying.n_rigid, sloping.n_rigid) == (rigid, rigid)
+    assert sloping.frequency_hz[rigid:8] == pytest.approx(
+        lying.frequency_hz[rigid:8], rel=1e-9
+    )  # rounding of the solver
 
 
 @pytest.mark.parametrize("supports", [SIMPLE, BOTH_ENDS, BOTH_ENDS[:1]])

@@ -129,7 +129,10 @@ def _mean_rows(
     motion[of_all, :3, :2] = axes[:2].T
     motion[of_all, :3, 2] = np.cross(axes[2], points[of_all] - middle) / size
     motion[of_all, 3:6, 2] = axes[2] / size
-    free = _null(held @ motion.reshape(-1, 3))
+    felt = held @ motion.reshape(-1, 3)
+    # An oblique deflection that is held feels rigid motions in the plane by the rounding of its axes.
+    sizes = np.sqrt(np.asarray(held.multiply(held).sum(axis=1), dtype=np.float64))
+    free = _null(felt[np.linalg.norm(felt, axis=1) > _FREE * sizes])
     rows = np.zeros((len(free), model.mesh.n_nodes, N_COMPONENTS))
     pushes = np.einsum("nci,fi->fnc", motion[nodes, :3], free)
     for row, push in zip(rows, weights[:, None] * pushes, strict=True):
@@ -146,9 +149,8 @@ def _lengths(places: Floats) -> Floats:
 
 def _null(rows: Floats) -> Floats:
     """Orthonormal motions [f, 3] that the rows [m, 3] do not feel."""
-    felt = rows[np.linalg.norm(rows, axis=1) > 0.0]
-    if not len(felt):
+    if not len(rows):
         return np.eye(3)
-    _, values, vectors = np.linalg.svd(felt.T @ felt)
+    _, values, vectors = np.linalg.svd(rows.T @ rows)
     found: Floats = vectors[int((values > _FREE**2 * values[0]).sum()) :]
     return found
