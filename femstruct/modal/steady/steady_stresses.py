@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.elements.stresses import von_mises, von_mises_in_a_cycle
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.excitation import Excitation
@@ -38,13 +38,13 @@ def harmonic_stress(
     amplitude [nf] : of what excites. along : the largest of all places at each frequency.
     """
     omega = 2.0 * np.pi * frequency_hz
-    rows = places.of(basis.shapes)
+    rows = _with_base(basis, excitation, places)
     count, components, k = rows.shape
     flat = rows.reshape(-1, k)
     along, largest = np.empty(len(omega)), np.full(count, -1.0)
     highest, there = -1.0, np.zeros(k, dtype=np.complex128)
     step = max(1, AT_ONCE // max(1, len(flat)))
-    for lines, q in amplitudes(basis, excitation.pushed, omega):
+    for lines, q in _driven(basis, excitation, omega):
         scaled = q * amplitude[lines, None]
         for first in range(0, len(scaled), step):
             part = scaled[first : first + step]
@@ -57,7 +57,7 @@ def harmonic_stress(
                 there = part[int(cycle.max(axis=0).argmax())]
 
     def amount(stresses: Floats) -> Floats:
-        return von_mises_in_a_cycle((stresses @ there)[:, :, None], places.components)[:, 0]
+        return von_mises_in_a_cycle((stresses @ there[:-1])[:, :, None], places.components)[:, 0]
 
     return Stressed(largest, along, amount)
 
@@ -78,9 +78,9 @@ def random_stress(
     """
     omega = 2.0 * np.pi * frequency_hz
     weights = psd * _trapezoids(frequency_hz)
-    k = len(basis.omega)
+    k = len(basis.omega) + 1
     covariance = np.zeros((k, k))
-    for lines, q in amplitudes(basis, excitation.pushed, omega):
+    for lines, q in _driven(basis, excitation, omega):
         scaled = q * np.sqrt(weights[lines, None])
         covariance += scaled.real.T @ scaled.real + scaled.imag.T @ scaled.imag
     values, vectors = np.linalg.eigh(covariance)
@@ -88,14 +88,14 @@ def random_stress(
     columns = vectors[:, kept] * np.sqrt(values[kept])
 
     def amount(stresses: Floats) -> Floats:
-        rms: Floats = np.sqrt((von_mises(stresses @ columns, places.components) ** 2).sum(axis=-1))
+        rms: Floats = np.sqrt((von_mises(stresses @ columns[: stresses.shape[2]], places.components) ** 2).sum(axis=-1))
         return rms
 
-    rows = places.of(basis.shapes)
+    rows = _with_base(basis, excitation, places)
     largest = amount(rows)
     worst = rows[[int(largest.argmax())]]
     along = np.empty(len(omega))
-    for lines, q in amplitudes(basis, excitation.pushed, omega):
+    for lines, q in _driven(basis, excitation, omega):
         stress = worst @ q.T
         squares = von_mises(stress.real, places.components) ** 2 + von_mises(stress.imag, places.components) ** 2
         along[lines] = squares[0] * psd[lines]
@@ -106,11 +106,27 @@ def stress_components(
     basis: ModalBasis, excitation: Excitation, places: StressPlaces, place: int, frequency_hz: Floats
 ) -> Complex:
     """Complex components [c, nf] of the stress at one place, per unit of what excites [Pa]."""
-    rows = places.of(basis.shapes)[place]
+    rows = _with_base(basis, excitation, places)[place]
     found: Complex = np.empty((len(rows), len(frequency_hz)), dtype=np.complex128)
-    for lines, q in amplitudes(basis, excitation.pushed, 2.0 * np.pi * frequency_hz):
+    for lines, q in _driven(basis, excitation, 2.0 * np.pi * frequency_hz):
         found[:, lines] = rows @ q.T
     return found
+
+
+def _with_base(basis: ModalBasis, excitation: Excitation, places: StressPlaces) -> Floats:
+    """Stresses [p, c, k + 1] in the shapes of a basis, and those of bars that are carried along by a base that moves,
+    per acceleration of it: zero without one, and for other parts, whose strains have it."""
+    rows = places.of(basis.shapes)
+    carried = np.zeros((*rows.shape[:2], 1))
+    if excitation.axis is not None and places.carried is not None:
+        carried[..., 0] = places.carried[..., excitation.axis]
+    return np.concatenate([rows, carried], axis=2)
+
+
+def _driven(basis: ModalBasis, excitation: Excitation, omega: Floats) -> Iterator[tuple[Integers, Complex]]:
+    """Lines and modal coordinates there [lines, k + 1], the last one being what excites."""
+    for lines, q in amplitudes(basis, excitation.pushed, omega):
+        yield lines, np.asarray(np.concatenate([q, np.ones((len(q), 1))], axis=1), dtype=np.complex128)
 
 
 def _trapezoids(frequency_hz: Floats) -> Floats:
