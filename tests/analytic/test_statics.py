@@ -262,9 +262,14 @@ def test_a_force_anywhere_along_a_bar_bends_it_as_a_beam(element: str, at: float
     assert fs.frf(basis, hit, hit, [0.0])[0].real == pytest.approx(each, rel=1e-8)  # rounding
 
 
-def test_a_point_of_a_rib_leaves_the_grid_of_its_plate() -> None:
-    """Where bars have the nodes of a plate, a point of them moves none, as one of the plate does not."""
-    plate = fs.Plate("plate", STEEL, 0.01, origin=(0.0, 0.0, 0.0), size=(1.0, 0.8), mesh=(4, 4))
+@pytest.mark.parametrize("kind", ["plate", "slab"])
+def test_a_point_of_a_rib_leaves_the_grid_of_its_plate(kind: str) -> None:
+    """Where bars have the nodes of a plate or slab, a point of them moves none, as one of the plate does not: between
+    two of them it would not be joined."""
+    corners = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.8), (0.0, 0.8))
+    plate: fs.Plate | fs.Slab = fs.Slab("plate", STEEL, 0.01, corners, mesh=0.25, through=((0.5, 0.4),))
+    if kind == "plate":
+        plate = fs.Plate("plate", STEEL, 0.01, origin=(0.0, 0.0, 0.0), size=(1.0, 0.8), mesh=(4, 4))
     rib = fs.Frame("rib", STEEL, rectangle("s", 0.02, 0.04), (((0.0, 0.4, 0.0), (1.4, 0.4, 0.0)),), mesh=0.4)
     joint = fs.Joint("weld", "plate", "rib")
     counts = []

@@ -75,6 +75,7 @@ class Layout:
         self.covering: dict[str, float] = {}
         self.grids: dict[Key, Axis] = {}
         self.shared: list[SharedLine] = []
+        self.tied: list[tuple[Key, float, float]] = []
 
     def add_rectangle(self, part: Rectangle, largest: tuple[float, float]) -> None:
         """A part that is a grid of cells with sides of at most these lengths [m]."""
@@ -113,8 +114,17 @@ class Layout:
 
     def _common(self, key: Key, place: float) -> bool:
         """Whether nodes at a place of an axis are those of another one, too."""
-        tracks = [track for line in self.shared for track in (line.source, line.target) if track.key == key]
-        return any(min(track.start, track.end) <= place <= max(track.start, track.end) for track in tracks)
+        tracks = [track for line in self.shared for track in (line.source, line.target)]
+        ends = [*((track.key, track.start, track.end) for track in tracks), *self.tied]
+        return any(min(start, end) <= place <= max(start, end) for one, start, end in ends if one == key)
+
+    def share(self, segment: Segment, places: Floats) -> None:
+        """Note the stretch of a piece of bars that has the nodes of another part at places of it [n, 3] [m]."""
+        along = segment.feet[1] - segment.feet[0]
+        if len(places) > 1:
+            shares = np.clip((places - segment.feet[0]) @ along / (along @ along), 0.0, 1.0)
+            length = self.grids[segment.key].length
+            self.tied.append((segment.key, float(shares.min()) * length, float(shares.max()) * length))
 
     def length(self, name: str) -> float:
         """Length of all bars of a part [m]."""

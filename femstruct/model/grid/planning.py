@@ -110,6 +110,7 @@ def _at_corners(layout: Layout, parts: Sequence[Part]) -> None:
                 )
                 for corner in corners[near <= layout.tolerance]:
                     layout.on_bars(part.name, corner)
+                layout.share(segment, corners[near <= layout.tolerance])
 
 
 def _from_line(places: Floats, start: Floats, end: Floats) -> Floats:
