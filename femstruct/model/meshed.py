@@ -171,6 +171,11 @@ class Meshed(ABC):
         return np.zeros(3)
 
     @property
+    def depth(self) -> float:
+        """Half the thickness of a plate or shell that stretches [m], beside which bars lie; 0 of others."""
+        return 0.0
+
+    @property
     def girth(self) -> float:
         """Radius of gyration of the section of its bars about their axis [m]: how far around it they take hold."""
         return 0.0

@@ -14,18 +14,22 @@ from femstruct.errors import Finding, InputError, some_of
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.imported.component import Component, rigid_masses, rigid_resistance
-from femstruct.model.imported.flat_cells import flat_cells
+from femstruct.model.imported.facing import frame_across
+from femstruct.model.imported.flat_cells import FlatCells, flat_cells
 from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.nearest import cross_turning
 from femstruct.model.imported.shell_cells import rows_at
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs
 from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Region, Vector
+from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import PlaceOn, SurfaceOn
 from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
 
 _SIX = 6
 UNEVEN = 1e-3  # of the largest of the masses along x, y, z: files of few digits have less
+FLAT = 1e-9  # largest difference of the normals of cells in parallel planes
 RESISTS = 1e-4  # energy of a rigid motion, of that of the diagonal of K: two swapped nodes have 1e-3 to 6e-2
 
 
@@ -168,6 +172,33 @@ class SubstructureMesh(Meshed):
     def girth(self) -> float:
         return self.part.component.girth
 
+    @property
+    def depth(self) -> float:
+        return self.part.component.depth
+
+    def around(self, nodes: Integers) -> Meshed:
+        """The plate or shell that it was, where its cells around the nodes are in parallel planes."""
+        one = self.part.component
+        if not self.depth or not len(one.quads):
+            return self
+        _, flat = self._cells()
+        touching = np.isin(flat.rows[flat.corners], nodes - self.first).any(axis=1)
+        normals = flat.normals[touching]
+        if not len(normals) or np.abs(normals - normals[0]).max() > FLAT:
+            return self
+        across = np.concatenate([frame_across(normals[0], self.places)[0], normals[:1]])
+        return FlatSubstructureMesh(self.part, self.first, flat, one.axes if len(one.axes) else across)
+
+    def _cells(self) -> tuple[ImportedMesh, FlatCells]:
+        """Its cells, as those of a shell between its nodes."""
+        one = self.part.component
+        three = one.quads[:, 2] == one.quads[:, 3]
+        cells = {"quad4": one.quads[~three], "tri3": one.quads[three][:, :3]}
+        named = {kind: some for kind, some in cells.items() if len(some)}
+        numbers = {kind: np.arange(len(some)) for kind, some in named.items()}
+        mesh = ImportedMesh(one.source, self.places, np.arange(len(self.places)), named, numbers)
+        return mesh, flat_cells(mesh, None)
+
     def beside(self, nodes: Integers) -> Floats:
         beside = self.part.component.beside
         return beside[nodes - self.first] if len(beside) else super().beside(nodes)
@@ -234,12 +265,7 @@ class SubstructureMesh(Meshed):
         if item.region.kind not in ("whole", "box"):
             got = f"a {item.region.kind} of {self.name}"
             raise InputError(where, got=got, expected="whole, or a box", do="matrices have no sets")
-        three = one.quads[:, 2] == one.quads[:, 3]
-        cells = {"quad4": one.quads[~three], "tri3": one.quads[three][:, :3]}
-        named = {kind: some for kind, some in cells.items() if len(some)}
-        numbers = {kind: np.arange(len(some)) for kind, some in named.items()}
-        mesh = ImportedMesh(one.source, self.places, np.arange(len(self.places)), named, numbers)
-        flat = flat_cells(mesh, None)
+        mesh, flat = self._cells()
         chosen = flat.cells_within(mesh, item.region, tolerance)
         if not len(chosen):
             got = f"a {item.region} without a cell of {self.name}"
@@ -254,3 +280,29 @@ class SubstructureMesh(Meshed):
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         one = self.part.component
         return drawn_nodes(self.places, self.nodes, one.quads, one.lines, n_nodes)
+
+
+@dataclass(frozen=True, eq=False)
+class FlatSubstructureMesh(SubstructureMesh):
+    """A plate or shell that was reduced, where it is flat: bars are joined to it as to what it was. cells : between its
+    nodes. axes [3, 3] : rows are its x, y and normal."""
+
+    cells: FlatCells
+    axes: Floats
+
+    @property
+    def own_axes(self) -> Floats:
+        return self.axes
+
+    @property
+    def across(self) -> Floats:
+        return np.asarray(self.axes[2] * self.depth)
+
+    @property
+    def drilling(self) -> Floats:
+        return np.asarray(self.axes[2])
+
+    def turning(self, nodes: Integers, reach: float, n_nodes: int) -> csr_array:
+        """As of a shell of its cells."""
+        corners, rows = cross_turning(self.cells, self.places[nodes - self.first], reach, self.axes)
+        return sparse_rows(self.first + self.cells.rows[corners], rows, n_nodes)

@@ -26,7 +26,17 @@ from femstruct.model.imported.component import Component
 FORMAT: Final = "femstruct matrices 1"
 LARGEST: Final = 4 * 2**30  # bytes of a file
 MATRICES: Final = ("M", "C", "K", "T")
-_OF_REDUCTIONS: Final = ("interface", "quads", "lines", "axes", "girth", "beside", "loss_factor", "reduced_to_hz")
+_OF_REDUCTIONS: Final = (
+    "interface",
+    "quads",
+    "lines",
+    "axes",
+    "girth",
+    "depth",
+    "beside",
+    "loss_factor",
+    "reduced_to_hz",
+)
 _WHAT: Final = (
     "matrices that femstruct export wrote, NAME.npz or NAME.json beside NAME.M.mtx, or of another program: a .npz or "
     ".h5 of M, K, nodes, components, points, a .op4, or {M: M.mtx, K: K.mtx}"
@@ -138,7 +148,7 @@ def read_component(
             more |= {name: file[name] for name in _OF_REDUCTIONS if name in file}
             named = json.loads(str(file["about"])).get("sets", {}) if "about" in file else {}
         more["sets"] = {name: np.asarray(one, np.int64) for name, one in named.items()}
-    more |= {name: float(more[name]) for name in ("girth", "loss_factor", "reduced_to_hz") if name in more}
+    more |= {name: float(more[name]) for name in ("girth", "depth", "loss_factor", "reduced_to_hz") if name in more}
     M, C, K = (csr_array(one) for one in (assembly.M, assembly.C, assembly.K))
     labels = tuple(assembly.dofs.labels)
     if sources is not None:

@@ -26,7 +26,8 @@ class ReducedPart:
 
     assembly : its reduced matrices, and the motion of all its nodes. interface : nodes that others touch. quads,
     lines : of its cells. axes [3, 3] : of a plate whose nodes have a twist, none for others. girth [m], beside
-    [n_nodes, 3] [m] : of its bars, which joints with plates need. loss_factor : of its
+    [n_nodes, 3] [m] : of its bars, which joints with plates need. depth [m] : of a plate or shell, which joints with
+    bars need. loss_factor : of its
     stiffness. reduced : what the reduction gave. sets : nodes of the interface by the name of the support, joint or
     spring that touches them in the model. supports : which of these names are supports; they stay in the model.
     """
@@ -37,6 +38,7 @@ class ReducedPart:
     lines: Integers
     axes: Floats
     girth: float
+    depth: float
     beside: Floats
     loss_factor: float
     reduced: Reduced
@@ -91,6 +93,7 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
         part.lines - part.first,
         np.zeros((0, 3)) if axes is None else axes,
         part.girth,
+        part.depth,
         part.beside(part.nodes),
         loss,
         reduced,

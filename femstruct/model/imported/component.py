@@ -26,6 +26,7 @@ class Component:
     of freedom. interface : nodes that can be joined to others; the motion of the rest follows. quads [q, 4],
     lines [l, 2] : nodes of faces and bars, for pictures. axes [3, 3] : of a plate whose nodes have a twist; none for
     others. girth [m], beside [n_nodes, 3] [m] : of bars, as of `Meshed`; 0 and none for others, and in files of before.
+    depth [m] : of a plate or shell that stretches, as of `Meshed`; 0 for others, and in files of before.
     loss_factor : of the stiffness [1]. reduced_to_hz : highest frequency of the modes that were kept, of a
     reduction; None for a whole structure. sets : nodes of the interface by the name of what touched them when it was
     reduced, as a support.
@@ -54,6 +55,7 @@ class Component:
     lines: Integers = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     axes: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     girth: float = 0.0
+    depth: float = 0.0
     beside: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     loss_factor: float = 0.0
     reduced_to_hz: float | None = None

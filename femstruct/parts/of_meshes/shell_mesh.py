@@ -104,10 +104,14 @@ class ShellMesh(CellsMesh):
         return FlatMesh(self.part, self.first, self.cells, self.thickness, self._axes_along(normals[0]))
 
     @property
+    def depth(self) -> float:
+        return float(self.thickness.max()) / 2.0
+
+    @property
     def across(self) -> Floats:
         """Half its thickness along its normal, of a flat one."""
         axes = self.own_axes
-        return np.zeros(3) if axes is None else axes[2] * float(self.thickness.max()) / 2.0
+        return np.zeros(3) if axes is None else axes[2] * self.depth
 
     @property
     def drilling(self) -> Floats | None:

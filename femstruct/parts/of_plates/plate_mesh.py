@@ -124,6 +124,10 @@ class PlateMesh(Meshed):
         return self.axes
 
     @property
+    def depth(self) -> float:
+        return 0.0 if self.rigid_in_plane else self.part.thickness / 2.0
+
+    @property
     def across(self) -> Floats:
         half: Floats = self.axes[2] * self.part.thickness / 2.0
         return half

@@ -55,6 +55,7 @@ def reduce_model(
         "lines": found.lines,
         "axes": found.axes,
         "girth": found.girth,
+        "depth": found.depth,
         "beside": found.beside,
         "loss_factor": found.loss_factor,
         "reduced_to_hz": extent.up_to_hz or found.reduced.frequency_hz[: found.reduced.n_modes].max(initial=0.0),
