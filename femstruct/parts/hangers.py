@@ -18,6 +18,7 @@ from femstruct.model.fastened import Elastic, Inert
 from femstruct.model.given import Given, given
 from femstruct.model.grid.geometry import PARALLEL, clip
 from femstruct.model.grid.layers import Layer, layer_of
+from femstruct.model.grid.layout import Layout
 from femstruct.model.grid.regions import line_points
 from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.meshed import Meshed
@@ -92,6 +93,17 @@ class Hangers(Part):
 
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
         return "hangers", self.on, self.to, self.normal, self.shear, self.per, self.spacing, self.along, self.at
+
+    def needs(self, layout: Layout) -> None:
+        """Nodes of bars that have their own where pieces hang on them: between its nodes a bar bends too little."""
+        body = layout.bodies.get(self.to)
+        if self.per != "piece" or len(self.spacing) != 1 or not self.spacing[0] > 0 or body is None or body.across != 2:
+            return
+        size = (float(body.size[0]), float(body.size[1]))
+        for segment in layout.segments.get(self.on, ()):
+            run = (np.stack([segment.start, segment.end]) - body.corner) @ body.axes.T
+            places, _ = self._on_run(run, size, (), layout.tolerance)
+            layout.loaded += [(self.on, place) for place in body.corner + places @ body.axes]
 
     def bears(self) -> tuple[str, ...]:
         return (self.to,)

@@ -10,19 +10,22 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
 from femstruct.assembly.assemble import assemble
+from femstruct.conventions import GRAVITY
 from femstruct.language import read_model_file
 from femstruct.modal.damping import Damping, FromMaterials, with_damping
 from femstruct.modal.reduction import modal_basis
+from femstruct.modal.statics import statics
 from femstruct.model.material import Material
 from femstruct.model.materials.lay_up import Laminate, Layer
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.section import rectangle
-from femstruct.model.structure import Joint, Structure, Support
+from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.frame import Frame
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import plausibility_findings
 from femstruct.parts.slab import Slab
+from femstruct.workflow.stages.recorded.stresses import stress_at_rest
 
 ROUNDING = 1e-9  # rounding of rigid motions beside stiff plates: 2e-11 here
 RIGID = 1e-4  # of a frequency: plates 3 m wide of 3e16 Pa bend by less
@@ -152,6 +155,32 @@ def test_clips_along_joists_are_counted_over_the_ceiling():
         # in the middle between the lower side of the joists and the upper one of the ceiling
         assert elastic.places[0, 2] == pytest.approx((0.3 - 0.1 + 0.00625) / 2.0, rel=1e-12)  # rounding
         assert sum(inert.total for inert in model.inerts) == pytest.approx(3 * 8 * 0.1, rel=1e-12)  # rounding
+
+
+@pytest.mark.parametrize("mesh", [None, 0.3])
+def test_a_joist_of_one_bar_is_bent_by_each_of_its_hangers(mesh):
+    """Eight hangers, so soft that each has an eighth of the ceiling: in the middle of a joist on hinges 4 P a, with a
+    of 1 m, and the sag that the beam has under the eight by its line of influence."""
+    light = Material("light", E=11e9, nu=0.3, rho=1e-6)
+    joist = Frame(
+        "joist", light, rectangle("s", 0.06, 0.2), (((0.0, 1.5, 0.3), (4.0, 1.5, 0.3)),), mesh, element="euler"
+    )
+    clips = Hangers("clips", "joist", "ceiling", 10.0, spacing=(0.5,))
+    ends = tuple(PlaceOn(name, "joist", at=((x, 1.5, 0.3),)) for name, x in (("left", 0.0), ("right", 4.0)))
+    held = (
+        Support("at left", ("x", "y", "z", "rx"), at="left"),
+        Support("at right", ("y", "z"), at="right"),
+        Support("guided", ("x", "y", "rx", "rz"), on="ceiling"),
+    )
+    model = mesh_structure(Structure("a ceiling", (joist, CEILING, clips), points=ends, supports=held))
+    rest = statics(model, assemble(model), [], weight=True)
+    each, modulus = CEILING.thickness * 1600.0 * 12.0 * GRAVITY / 8.0, 11e9 * 0.06 * 0.2**3 / 12
+    soft = 1e-4  # the joist bends by so much of what the hangers stretch
+    found = stress_at_rest(model.parts["joist"].stresses(model.mesh.n_nodes), rest.displacement, weight=True)
+    assert found.largest.max() == pytest.approx(4.0 * each / (0.06 * 0.2**2 / 6), rel=soft)
+    b = 0.25 + 0.5 * np.arange(4)  # from the nearer end: P b (3 L^2 - 4 b^2) / 48 E I in the middle
+    sag = 2.0 * (each * b * (3.0 * 16.0 - 4.0 * b**2)).sum() / (48.0 * modulus)
+    assert -model.parts["joist"].moved(rest.displacement, GRAVITY)[:, 2].min() == pytest.approx(sag, rel=soft)
 
 
 def test_channels_along_joists_hold_a_ceiling_by_their_length():

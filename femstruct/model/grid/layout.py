@@ -58,6 +58,7 @@ class Layout:
     vertices [n, 3] : points of the lines of bars. bodies : what layers can lie against. given : names of parts whose
     nodes are their own, as of a mesh from a file: what asks for a node there finds those that it has. taken : cells
     that parts take of their files. covering : mass per length along all bars of a part, beside their own [kg/m].
+    loaded : parts of bars and places [3] on them where something acts [m].
     """
 
     def __init__(self, tolerance: float) -> None:
@@ -73,6 +74,7 @@ class Layout:
         self.given: set[str] = set()
         self.taken: Users = ()
         self.covering: dict[str, float] = {}
+        self.loaded: list[tuple[str, Floats]] = []
         self.grids: dict[Key, Axis] = {}
         self.shared: list[SharedLine] = []
         self.tied: list[tuple[Key, float, float]] = []

@@ -61,11 +61,14 @@ def _carrying_points(structure: Structure, layout: Layout) -> None:
 
 
 def _points_of_bars(structure: Structure, layout: Layout) -> None:
-    """Nodes at all points of bars: a force between the nodes of a bar bends it less than it should, P L^3 / 192 E I
-    in its middle, and its moment there is not seen. Where bars have the nodes of a plate, the plate's size counts."""
+    """Nodes at all points of bars, and where else they are loaded: a force between the nodes of a bar bends it less
+    than it should, by P L^3 / 192 E I in its middle, and its moment there is not seen. Where bars have the nodes of a
+    plate, the plate's size counts."""
     for point in structure.points:
         for place in point.at if point.on in layout.segments else ():
             layout.on_bars(point.on, np.asarray(place, dtype=np.float64), own=True)
+    for name, at in layout.loaded:
+        layout.on_bars(name, at, own=True)
 
 
 def _carrying_place(layout: Layout, point: PlaceOn, place: Floats) -> None:
