@@ -31,6 +31,7 @@ from femstruct.parts.foundation import Foundation, lines_across
 from femstruct.parts.of_frames.frame_mesh import FrameMesh
 
 ORDER = 4  # Gauss points of a piece of a line: exact for products of two cubic deflections
+PIECES = 16  # of a bar under a line: its moment lacks p h^2 / 12 of them, 0.3 % of p L^2 / 8
 MILLIMETRES = 20.0  # m: hangers are that many millimetres apart at least
 MOST_PLACES = 100_000  # more is a slip of a unit
 _Places = tuple[Floats, Floats, Floats]
@@ -95,14 +96,20 @@ class Hangers(Part):
         return "hangers", self.on, self.to, self.normal, self.shear, self.per, self.spacing, self.along, self.at
 
     def needs(self, layout: Layout) -> None:
-        """Nodes of bars that have their own where pieces hang on them: between its nodes a bar bends too little."""
-        body = layout.bodies.get(self.to)
-        if self.per != "piece" or len(self.spacing) != 1 or not self.spacing[0] > 0 or body is None or body.across != 2:
+        """Nodes of bars that have their own where pieces hang on them, and between `PIECES` of what lines hang along:
+        between its nodes a bar bends too little."""
+        body, pieces = layout.bodies.get(self.to), self.per == "piece"
+        if body is None or body.across != 2 or (pieces and not (len(self.spacing) == 1 and self.spacing[0] > 0)):
             return
         size = (float(body.size[0]), float(body.size[1]))
         for segment in layout.segments.get(self.on, ()):
             run = (np.stack([segment.start, segment.end]) - body.corner) @ body.axes.T
-            places, _ = self._on_run(run, size, (), layout.tolerance)
+            if pieces:
+                places, _ = self._on_run(run, size, (), layout.tolerance)
+            elif (over := clip(run[0], run[1], size, layout.tolerance)) is not None:
+                places = run[0] + np.outer(np.linspace(*over, PIECES + 1), run[1] - run[0])
+            else:
+                continue
             layout.loaded += [(self.on, place) for place in body.corner + places @ body.axes]
 
     def bears(self) -> tuple[str, ...]:
