@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,7 +11,8 @@ from femstruct.declared import expect
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.study.campaign.vary import VariedSpec, VarySpec
+from femstruct.language.study.campaign.optimise import CampaignSpec
+from femstruct.language.study.campaign.vary import varied_of
 from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value, read_yaml, validate
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 
@@ -50,17 +51,11 @@ def read_campaign(
     vary = expect("read_campaign vary", vary, tuple[str, ...])
     overrides = expect("read_campaign overrides", overrides, tuple[str, ...])
     only = expect("read_campaign only", only, tuple[str, ...])
-    mistakes, tree = Mistakes(), read_yaml(path)
-    refuse_kind(tree, "study", study_keys(), lambda: MODEL_KEYS)
-    patch = Patch(tree, None, mistakes)
-    override(patch, [text for text in overrides if text.partition(".")[0].strip() in KEYS])
-    tree = patch.study.tree() if patch.study else tree
-    spec = _validated(tree, mistakes)
-    found = {one.path: one for one in nouns(spec.vary if spec else {}, Here(tree, mistakes))}
-    for text in vary:
-        there = short(text, mistakes)
-        own = _validated(there, mistakes)
-        found |= {one.path: one for one in nouns(own.vary if own else {}, Here(there, mistakes))}
+    mistakes = Mistakes()
+    tree = overridden(path, overrides, KEYS, mistakes)
+    own = {key: tree.value[key] for key in KEYS if tree.value.get(key) is not None}
+    spec = validate(CampaignSpec, own, tree, mistakes)
+    found = varied_of(spec.vary if spec else {}, Here(tree, mistakes)) | varied_by(vary, mistakes)
     mistakes.stop_if_any()
     if not found:
         near = next((f"write '{key.lower()}' for '{key}'" for key in tree.value if key.lower() in KEYS[:1]), "")
@@ -104,18 +99,28 @@ def steps_of(path: str) -> tuple[tuple[str, ...], ...]:
     return (("optimise", "vary", path), ("vary", path))
 
 
-def _validated(tree: Tree, mistakes: Mistakes) -> VariedSpec | None:
-    own = {key: tree.value[key] for key in KEYS if tree.value.get(key) is not None}
-    return validate(VariedSpec, own, tree, mistakes)
+def overridden(path: str | Path, overrides: Sequence[str], keys: Collection[str], mistakes: Mistakes) -> Tree:
+    """A study file with those overrides of the command line that are of some keys. Raises InputErrors for another
+    kind of file."""
+    tree = read_yaml(path)
+    refuse_kind(tree, "study", study_keys(), lambda: MODEL_KEYS)
+    patch = Patch(tree, None, mistakes)
+    override(patch, [text for text in overrides if text.partition(".")[0].strip() in keys])
+    return patch.study.tree() if patch.study else tree
 
 
-def nouns(specs: Mapping[str, VarySpec], here: Here) -> list[Listed | Scattered]:
-    """The nouns of all paths under `vary:` of a mapping; those refused are noted and left out."""
-    return list(here.each("vary", specs, lambda there, path, one: one.varied(path)).values())
+def varied_by(texts: Sequence[str], mistakes: Mistakes, *, ranges: bool = False) -> dict[str, Listed | Scattered]:
+    """What the command line varies, by path. ranges : without steps, as in FROM:TO:log."""
+    found: dict[str, Listed | Scattered] = {}
+    for text in texts:
+        tree = _short(text, mistakes, ranges)
+        spec = validate(CampaignSpec, tree.value, tree, mistakes)
+        found |= varied_of(spec.vary if spec else {}, Here(tree, mistakes))
+    return found
 
 
-def short(text: str, mistakes: Mistakes, *, ranges: bool = False) -> Tree:
-    """What the command line varies, as a file would say it. ranges : without steps, as in FROM:TO:log."""
+def _short(text: str, mistakes: Mistakes, ranges: bool) -> Tree:
+    """What the command line varies, as a file would say it."""
     path, equals, written = (part.strip() for part in text.partition("="))
     file, value = f"--vary {text}", dict[str, Any]()
     listed = parse_value(f"[{written}]", file, mistakes).value if "," in written else [written]

@@ -6,26 +6,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from pydantic import Field
-
 from femstruct.declared import expect
 from femstruct.errors import InputError, InputErrors
-from femstruct.language.campaigns import nouns, short
-from femstruct.language.models import override, refuse_kind, title_of
-from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.study.campaign.optimise import OptimiseSpec
-from femstruct.language.study.campaign.vary import VarySpec
-from femstruct.language.yaml import Here, Mistakes, Position, Spec, parse_value, read_yaml, validate
+from femstruct.language.campaigns import overridden, varied_by
+from femstruct.language.models import title_of
+from femstruct.language.study.campaign.optimise import CampaignSpec
+from femstruct.language.study.campaign.vary import varied_of
+from femstruct.language.yaml import Here, Mistakes, Position, parse_value, validate
 from femstruct.study.campaign.sought import Search
 
 KEYS: Final = ("vary", "optimise")
-
-
-class SoughtSpec(Spec):
-    """What of a study file concerns an optimisation."""
-
-    vary: dict[str, VarySpec] = Field(default_factory=dict)
-    optimise: OptimiseSpec | None = None
 
 
 def read_search(
@@ -57,11 +47,8 @@ def read_search(
     vary = expect("read_search vary", vary, tuple[str, ...])
     limits = expect("read_search limits", limits, tuple[str, ...])
     overrides = expect("read_search overrides", overrides, tuple[str, ...])
-    mistakes, tree = Mistakes(), read_yaml(path)
-    refuse_kind(tree, "study", study_keys(), lambda: MODEL_KEYS)
-    patch = Patch(tree, None, mistakes)
-    override(patch, [text for text in overrides if text.partition(".")[0].strip() in KEYS])
-    tree = patch.study.tree() if patch.study else tree
+    mistakes = Mistakes()
+    tree = overridden(path, overrides, KEYS, mistakes)
     asked_for = _goals([goal] if isinstance(goal, str) else goal)
     block = dict(tree.value["optimise"]) if isinstance(tree.value.get("optimise"), dict) else {}
     if asked_for:
@@ -71,17 +58,13 @@ def read_search(
         raise InputErrors((f"{path}: optimise: got a study that optimises nothing, expected a goal; {do}",))
     block["limits"] = {**(block.get("limits") or {}), **_limits(limits, mistakes)}
     own = {"optimise": block} | ({"vary": tree.value["vary"]} if tree.value.get("vary") else {})
-    spec = validate(SoughtSpec, own, tree, mistakes)
+    spec = validate(CampaignSpec, own, tree, mistakes)
     mistakes.stop_if_any()
     assert spec is not None and spec.optimise is not None
-    designs = {one.path: one for one in nouns(spec.optimise.vary, Here(tree, mistakes).at("optimise"))}
-    for text in vary:
-        there = short(text, mistakes, ranges=True)
-        found = validate(SoughtSpec, there.value, there, mistakes)
-        designs |= {one.path: one for one in nouns(found.vary if found else {}, Here(there, mistakes))}
-    varied = {one.path: one for one in nouns(spec.vary, Here(tree, mistakes))}
+    here, asked = Here(tree, mistakes), spec.optimise
+    designs = varied_of(asked.vary, here.at("optimise")) | varied_by(vary, mistakes, ranges=True)
+    varied = varied_of(spec.vary, here)
     mistakes.stop_if_any()
-    asked = spec.optimise
     try:
         first, *others = asked.goals()
         return Search(

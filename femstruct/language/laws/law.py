@@ -75,6 +75,7 @@ class FactoredSpec(LawSpec):
 
     at_most_one_of = (("dissipation", "restitution"),)
     needs = (("at_speed", ("restitution",)),)
+    only_written = ("restitution", "at_speed")
 
     dissipation: Annotated[float, Quantity(("dissipation",), least=0.0)] = 0.0
     restitution: Restitution | None = None
@@ -89,8 +90,7 @@ class FactoredSpec(LawSpec):
 
     def with_dissipation(self, chi: float, site: Site) -> Law | None:
         """The law with a dissipation [s/m]; None with a mistake noted."""
-        keys = {key: value for key, value in self.given().items() if key not in ("restitution", "at_speed")}
-        law: Law = type(self).makes(**{**keys, "dissipation": chi})
+        law: Law = self.noun(dissipation=chi)
         return law
 
 
@@ -117,10 +117,11 @@ class PowerSpec(LawSpec):
 class PublishedSpec(PowerSpec):
     """A spring k d^n whose dissipation an author gives by restitution and meeting speed."""
 
+    only_written = ("at_speed",)
+
     restitution: Restitution
     at_speed: MeetingSpeed | None = None
 
     def law(self, site: Site) -> Law | None:
         speed = site.meeting_speed(self.at_speed)
-        keys = {key: value for key, value in self.given().items() if key != "at_speed"}
-        return None if speed is None else type(self).makes(**keys, speed=speed)
+        return None if speed is None else self.noun(speed=speed)

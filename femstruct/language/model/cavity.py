@@ -89,6 +89,7 @@ class CavitySpec(Spec):
     """Air between two surfaces that face each other: a void over a ceiling, the inside of a double wall."""
 
     makes = AirBetween
+    only_written = ("between", "air")
     between: tuple[SurfaceName, SurfaceName]
     depth: SideLength
     air: AirSpec = AirSpec()
@@ -109,7 +110,5 @@ class CavitySpec(Spec):
         )
 
     def given(self) -> dict[str, Any]:
-        values = super().given()
-        first, second = values.pop("between")
-        values.pop("air")
-        return {**values, "first": first, "second": second, "c": self.air.c, "rho": self.air.rho}
+        first, second = self.between
+        return {**super().given(), "first": first, "second": second, "c": self.air.c, "rho": self.air.rho}

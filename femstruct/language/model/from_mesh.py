@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from femstruct.errors import InputError, InputErrors, shown_as
 from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file
@@ -41,6 +41,8 @@ class OfMeshSpec(PartSpec):
 
     known_as: ClassVar[tuple[str, ...]] = ("part",)
 
+    only_written: ClassVar[tuple[str, ...]] = ("scale",)  # the mesh is in metres
+
     mesh: Text
     scale: FILE_SCALE = 1.0
 
@@ -52,11 +54,6 @@ class OfMeshSpec(PartSpec):
         except InputError as error:
             raise InputError(f"parts.{name}.mesh", got=error.got, expected=error.expected, do=error.do) from None
         return self.made_of(name, of, mesh=mesh)
-
-    def given(self) -> dict[str, Any]:
-        values = super().given()
-        del values["scale"]  # the mesh is in metres
-        return values
 
 
 class FromMeshSpec(OfMeshSpec):

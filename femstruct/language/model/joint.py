@@ -22,6 +22,7 @@ class JointSpec(Spec):
     touches, with its width."""
 
     makes = Joint
+    only_written = ("connect", "width")
     connect: tuple[PartName, PartName]
     kind: Literal["rigid", "pinned", "sliding"] = "rigid"
     stiffness: SixStiffnesses = SixStiffnesses()
@@ -59,12 +60,5 @@ class JointSpec(Spec):
     def given(self) -> dict[str, Any]:
         a, b = self.connect
         stiffness = {axis: k for axis, k in self.stiffness.given().items() if k}
-        return {
-            "a": a,
-            "b": b,
-            "kind": self.kind,
-            "stiffness": stiffness,
-            "sets": self.sets,
-            "reach": self.reach,
-            "slip": 0.0 if self.slip is None else self.slip.value * (self.width or 1.0),
-        }
+        slip = 0.0 if self.slip is None else self.slip.value * (self.width or 1.0)
+        return {**super().given(), "a": a, "b": b, "stiffness": stiffness, "slip": slip}

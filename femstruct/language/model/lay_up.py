@@ -11,13 +11,14 @@ from pydantic import Discriminator, Field, Tag
 from femstruct.errors import shown_as
 from femstruct.language.model.like import entry_for, told_of
 from femstruct.language.model.material import PlateLosses
-from femstruct.language.parts.part import MaterialName
-from femstruct.language.yaml import Length, Quantity, Spec, Text, read_by, refuse
+from femstruct.language.parts.part import Library, MaterialName, PartSpec
+from femstruct.language.yaml import Here, Length, Quantity, Spec, Text, read_by, refuse
 from femstruct.language.yaml.discovery import union_of
 from femstruct.model.library.all_entries import library
 from femstruct.model.library.library_entry import Use
 from femstruct.model.materials.lay_up import Laminate, Layer, LayUp, Smeared
 from femstruct.model.materials.orthotropic import AnyMaterial
+from femstruct.model.part import Part
 
 _ANGLE = Quantity(("angle",))
 Bending = Annotated[float, Quantity(("moment",), least=0.0)]
@@ -103,20 +104,37 @@ class SmearedSpec(Spec):
     loss_factor: PlateLosses = 0.0
 
 
-def lay_up(
-    layers: Sequence[tuple[str, float, float]] | LaidSpec | BoardsSpec | None,
-    smeared: SmearedSpec | None,
-    thickness: float | None,
-    materials: Mapping[str, AnyMaterial],
-) -> LayUp:
-    """The noun of what is written: of layers, or of smeared ribs with the thickness from face to face [m]."""
-    if smeared is not None:
-        deck = smeared.noun(thickness=thickness)
-        assert isinstance(deck, Smeared)
-        return deck
+def laid_up(
+    layers: Sequence[tuple[str, float, float]] | LaidSpec | BoardsSpec, materials: Mapping[str, AnyMaterial]
+) -> Laminate:
+    """The noun of the layers that are written."""
     if isinstance(layers, LaidSpec):
         entry = library()[layers.like]
         laid = tuple(Layer(materials[layers.of], each, radians(angle)) for each, angle in entry.layers)
         return Laminate(laid, told_of(layers.like))
-    written, bond = (layers.boards, layers.bond) if isinstance(layers, BoardsSpec) else (layers or (), 1.0)
+    written, bond = (layers.boards, layers.bond) if isinstance(layers, BoardsSpec) else (layers, 1.0)
     return Laminate(tuple(Layer(materials[name], each, angle) for name, each, angle in written), bond=bond)
+
+
+class DeckSpec(PartSpec):
+    """A plate or slab of one material, of layers from below, or of smeared ribs."""
+
+    one_of = (("material", "layers", "smeared"),)
+    at_most_one_of = (("layers", "thickness"),)
+    only_written = ("material", "layers", "smeared", "thickness")
+
+    material: MaterialName | None = None
+    layers: Layers | None = None
+    smeared: SmearedSpec | None = None
+    thickness: Length | None = None
+
+    def check(self, here: Here) -> None:
+        there = here.at("thickness")
+        there.need(self.layers or self.thickness, "nothing", "'thickness'", "add 'thickness: ...'", of_key=True)
+
+    def made_of(self, name: str, of: Library, **more: Any) -> Part:
+        if self.material is not None:
+            return super().made_of(name, of, thickness=self.thickness, **more)
+        smeared: LayUp | None = self.smeared.noun(thickness=self.thickness) if self.smeared is not None else None
+        deck = smeared or laid_up(self.layers or (), of.materials)
+        return super().made_of(name, of, material=deck, thickness=deck.thickness, **more)

@@ -148,6 +148,7 @@ class MaterialSpec(Spec):
     [nuxy, nuyz, nuzx] along its own axes, of which Ez, Gzx, and all ratios but nuxy can be left out."""
 
     makes = Material
+    only_written = ("G",)
     E: Annotated[float | tuple[float, ...], read_by(_moduli, Modulus | list[Modulus])]
     nu: Annotated[float | tuple[float, ...], read_by(_ratios, AnyRatio | list[AnyRatio])]
     rho: Density
@@ -170,10 +171,7 @@ class MaterialSpec(Spec):
     def noun(self, **others: Any) -> AnyMaterial:
         """The isotropic or the orthotropic material."""
         values = {**self.given(), **others}
-        if self.G is not None:
-            return Orthotropic(**values)
-        del values["G"]
-        return Material(**values)
+        return Material(**values) if self.G is None else Orthotropic(G=self.G, **values)
 
 
 class LikeSpec(Spec):

@@ -83,6 +83,7 @@ class SupportSpec(Spec):
     needs = (("loss_factor", ("stiffness",)), ("walls", ("wall",)), ("wall", ("walls",)))
 
     makes = Support
+    only_written = ("wall", "set", "box")
     fix: (
         Annotated[Fix | tuple[str, ...], read_by(_fix, Fix | list[Literal["x", "y", "z", "rx", "ry", "rz"]])] | None
     ) = None
@@ -174,10 +175,8 @@ class SupportSpec(Spec):
 
     def given(self) -> dict[str, Any]:
         values = super().given()
-        del values["wall"]
-        values["fix"] = values["fix"] or ("simple" if self.walls else ())
-        values["stiffness"], values["loss_factor"] = values["stiffness"] or {}, values["loss_factor"] or 0.0
-        named, box = values.pop("set"), values.pop("box")
-        if named is not None or box is not None:
-            values["region"] = Region("box" if named is None else "set", named=named, box=box)
+        values["fix"] = self.fix or ("simple" if self.walls else ())
+        values["stiffness"], values["loss_factor"] = values["stiffness"] or {}, self.loss_factor or 0.0
+        if self.set is not None or self.box is not None:
+            values["region"] = Region("box" if self.set is None else "set", named=self.set, box=self.box)
         return values

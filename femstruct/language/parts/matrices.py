@@ -21,6 +21,7 @@ class FromMatricesSpec(PartSpec):
     known_as: ClassVar[tuple[str, ...]] = ("part", "plate or shell", MESHED)
 
     makes = Substructure
+    only_written: ClassVar[tuple[str, ...]] = ("file",)  # it becomes a component
     file: Any
     loss_factor: MaterialLossFactor | None = None
     origin: Position3 = (0.0, 0.0, 0.0)
@@ -42,11 +43,6 @@ class FromMatricesSpec(PartSpec):
         """How to read what another program wrote."""
         return {}
 
-    def given(self) -> dict[str, Any]:
-        values = super().given()
-        del values["file"]  # it has become a component
-        return values
-
 
 class MatrixNamesSpec(Spec):
     """Of each matrix its name or its file: mass, stiffness, and dashpots where there are any."""
@@ -67,6 +63,7 @@ class MatricesSpec(FromMatricesSpec):
     are not the usual ones (MAA, KAA, BAA). scale: the unit of length of another program, or metres in it; forces are in
     newtons, so that masses are in t where lengths are in mm."""
 
+    only_written = ("file", "nodes", "names", "scale")
     type: Literal["matrices"]
     file: Text | MatrixNamesSpec
     nodes: Text | None = None
@@ -84,9 +81,3 @@ class MatricesSpec(FromMatricesSpec):
             "names": {} if self.names is None else self.names.by_letter(),
             "scale": self.scale,
         }
-
-    def given(self) -> dict[str, Any]:
-        values = super().given()
-        for key in ("nodes", "names", "scale"):
-            del values[key]
-        return values

@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from femstruct.elements.plate import PlateElement
 from femstruct.errors import shown_as
-from femstruct.language.model.lay_up import Layers, SmearedSpec, lay_up
-from femstruct.language.parts.part import (
-    CEILING,
-    FLOOR,
-    STRESSED,
-    Library,
-    MaterialName,
-    PartSpec,
-    Places,
-    check_coordinates,
-)
+from femstruct.language.model.lay_up import DeckSpec
+from femstruct.language.parts.part import CEILING, FLOOR, STRESSED, Places, check_coordinates
 from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, SideLength, read_by, refuse
-from femstruct.model.part import Part
 from femstruct.parts.plate import InPlane, Plate
 
 
@@ -32,19 +22,13 @@ def _mesh(value: object) -> object:
     return LENGTH.read(value)
 
 
-class PlateSpec(PartSpec):
+class PlateSpec(DeckSpec):
     """A flat rectangular plate of one material, of layers from below, or of smeared ribs; origin is a corner of its
     mid-surface."""
 
     makes = Plate
-    one_of = (("material", "layers", "smeared"),)
-    at_most_one_of = (("layers", "thickness"),)
     known_as = ("part", "plate", "plate, slab or block", "plate or frame", "plate or shell", STRESSED, FLOOR, CEILING)
     type: Literal["plate"]
-    material: MaterialName | None = None
-    layers: Layers | None = None
-    smeared: SmearedSpec | None = None
-    thickness: Length | None = None
     element: PlateElement = "bfs16"
     origin: Position3
     size: tuple[SideLength, SideLength]
@@ -52,20 +36,6 @@ class PlateSpec(PartSpec):
     normal: Direction3 = (0.0, 0.0, 1.0)
     x_direction: Direction3 | None = None
     in_plane: InPlane | None = None
-
-    def check(self, here: Here) -> None:
-        there = here.at("thickness")
-        there.need(self.layers or self.thickness, "nothing", "'thickness'", "add 'thickness: ...'", of_key=True)
-
-    def given(self) -> dict[str, Any]:
-        written = ("type", "material", "layers", "smeared", "thickness")
-        return {key: getattr(self, key) for key in type(self).model_fields if key not in written}
-
-    def build(self, name: str, of: Library) -> Part:
-        if self.material is not None:
-            return self.made_of(name, of, thickness=self.thickness)
-        deck = lay_up(self.layers, self.smeared, self.thickness, of.materials)
-        return self.made_of(name, of, material=deck, thickness=deck.thickness)
 
     def check_place(self, here: Here, places: Places) -> None:
         if isinstance(places, tuple):

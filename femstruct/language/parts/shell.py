@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from femstruct.language.model.from_mesh import FromMeshSpec
-from femstruct.language.model.lay_up import Layers, lay_up
+from femstruct.language.model.lay_up import Layers, laid_up
 from femstruct.language.parts.part import MESHED, STRESSED, Library, MaterialName
 from femstruct.language.yaml import LENGTH, Coordinate, Direction3, Length, read_by
 from femstruct.model.part import Part
@@ -27,6 +27,7 @@ class ShellSpec(FromMeshSpec):
 
     makes = Shell
     one_of = (("material", "layers"),)
+    only_written = ("layers", "scale")
     at_most_one_of = (("layers", "thickness"),)
     known_as = ("part", "plate or shell", "plate or frame", MESHED, STRESSED)
     type: Literal["shell"]
@@ -36,11 +37,6 @@ class ShellSpec(FromMeshSpec):
     offset: Coordinate = 0.0
     orientation: Direction3 | None = None
 
-    def given(self) -> dict[str, Any]:
-        values = super().given()
-        del values["layers"]
-        return values
-
     def made_of(self, name: str, of: Library, **more: Any) -> Part:
-        made = {} if self.layers is None else {"material": lay_up(self.layers, None, None, of.materials)}
+        made = {} if self.layers is None else {"material": laid_up(self.layers, of.materials)}
         return super().made_of(name, of, **made, **more)

@@ -28,6 +28,7 @@ from femstruct.language.yaml import (
     Length,
     Position2,
     Quantity,
+    SideLength,
     Spec,
     SurfaceName,
     exactly_one,
@@ -60,6 +61,7 @@ def _surface(value: object) -> object:
 
 
 SurfaceNames = Annotated[tuple[SurfaceName, ...], read_by(several(_surface), SurfaceName | list[SurfaceName])]
+Size = tuple[SideLength, SideLength, SideLength]
 _Animated = Frequency | Literal["pulse"]
 _animated = several(word_or({"pulse": None}, FREQUENCY))
 
@@ -96,6 +98,7 @@ class ClosedSpec(RoomSpec):
     needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
     refused = ("directivity",)
 
+    size: Size | None = None
     under: SurfaceName | None = None
     surfaces: dict[str, SurfaceNames] = Field(default_factory=dict)
     at: Position2 | None = None
@@ -149,6 +152,7 @@ class ClosedSpec(RoomSpec):
         )
         if self.levels:
             self._check_levels(here, asked)
+        self._check_sound_crosses(here)
         here.at("beyond_modes").need(
             self.levels or self.beyond_modes == "statistical",
             "'beyond_modes' in a room without levels",
@@ -177,6 +181,27 @@ class ClosedSpec(RoomSpec):
             f"'{shared}', which '{others[0]}' with two-way coupling is under already",
             "another surface",
             "one of the two can be one-way",
+        )
+
+    def check_receiver(self, here: Here, place: tuple[float, ...]) -> None:
+        """Note a receiver that is not in a box."""
+        if self.size is not None:
+            inside = all(0 <= x <= length for x, length in zip(place, self.size, strict=True))
+            told = " x ".join(f"{length:g}" for length in self.size)
+            here.need(inside, f"{list(place)} m", f"a point of the room, {told} m", "from its lower corner")
+
+    def _check_sound_crosses(self, here: Here) -> None:
+        """Sound of a box goes from wall to wall at least once while it dies away."""
+        shortest = self.losses.shortest if self.losses is not None else None
+        if self.size is None or shortest is None:
+            return
+        x, y, z = self.size
+        between = 4.0 * x * y * z / (2.0 * (x * y + y * z + z * x)) / self.air.c
+        here.at("losses", "t60").need(
+            shortest >= between,
+            f"{1e3 * shortest:g} ms, less than sound takes from wall to wall, {1e3 * between:.2g} ms",
+            "a reverberation time: sound falls by 60 dB in it",
+            f"did you mean {1e3 * shortest:g} s?",
         )
 
     def _check_levels(self, here: Here, asked: Asked) -> None:

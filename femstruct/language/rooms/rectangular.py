@@ -7,11 +7,8 @@ from typing import Any
 import numpy as np
 
 from acoustics.fields.rectangular import Room
-from femstruct.language.rooms.closed import ClosedSpec
-from femstruct.language.rooms.room import Asked
-from femstruct.language.yaml import Here, SideLength
-
-Size = tuple[SideLength, SideLength, SideLength]
+from femstruct.language.rooms.closed import ClosedSpec, Size
+from femstruct.language.yaml import Here
 
 
 class BoxRoomSpec(ClosedSpec):
@@ -30,33 +27,5 @@ class BoxRoomSpec(ClosedSpec):
 
     size: Size
 
-    def check_in(self, here: Here, name: str, asked: Asked) -> None:
-        super().check_in(here, name, asked)
-        check_sound_crosses(self.size, self, here)
-
-    def check_receiver(self, here: Here, place: tuple[float, ...]) -> None:
-        check_inside(self.size, here, place)
-
     def room(self, here: Here, receivers: Any, sources: Any, shaped: Any) -> Room:
         return Room(np.array(self.size), self.air.noun(), self.losses_of())
-
-
-def check_inside(size: Size, here: Here, place: tuple[float, ...]) -> None:
-    """Note a receiver that is not in a box."""
-    inside = all(0 <= x <= length for x, length in zip(place, size, strict=True))
-    told = " x ".join(f"{length:g}" for length in size)
-    here.need(inside, f"{list(place)} m", f"a point of the room, {told} m", "from its lower corner")
-
-
-def check_sound_crosses(size: Size, room: ClosedSpec, here: Here) -> None:
-    """Sound of a box goes from wall to wall at least once while it dies away."""
-    x, y, z = size
-    between = 4.0 * x * y * z / (2.0 * (x * y + y * z + z * x)) / room.air.c
-    shortest = room.losses.shortest if room.losses is not None else None
-    if shortest is not None:
-        here.at("losses", "t60").need(
-            shortest >= between,
-            f"{1e3 * shortest:g} ms, less than sound takes from wall to wall, {1e3 * between:.2g} ms",
-            "a reverberation time: sound falls by 60 dB in it",
-            f"did you mean {1e3 * shortest:g} s?",
-        )

@@ -19,7 +19,6 @@ from femstruct.files.inputs.cavity_meshes import read_mesh
 from femstruct.files.inputs.opening import beside
 from femstruct.language.rooms.closed import ClosedSpec
 from femstruct.language.rooms.losses import WallSpec
-from femstruct.language.rooms.rectangular import Size, check_inside, check_sound_crosses
 from femstruct.language.rooms.room import Asked
 from femstruct.language.yaml import Frequency, Here, Spec, Text, nearest, refuse
 
@@ -45,7 +44,6 @@ class MeshedRoomSpec(ClosedSpec):
 
     signs = ("mesh", "ceiling", "walls", "modes")
 
-    size: Size | None = None
     mesh: Text | None = None
     ceiling: Text | None = None
     walls: dict[str, WallSpec] = Field(default_factory=dict)
@@ -67,12 +65,6 @@ class MeshedRoomSpec(ClosedSpec):
     def check_in(self, here: Here, name: str, asked: Asked) -> None:
         here.at("form").need(self.form == "causal", "the source's form in a meshed room", "causal", "leave out 'form'")
         super().check_in(here, name, asked)
-        if self.size is not None:
-            check_sound_crosses(self.size, self, here)
-
-    def check_receiver(self, here: Here, place: tuple[float, ...]) -> None:
-        if self.size is not None:
-            check_inside(self.size, here, place)
 
     def room(
         self, here: Here, receivers: list[Receiver], sources: dict[str, str], shaped: dict[str, ShapedRoom]

@@ -36,6 +36,7 @@ class LinkSpec(BetweenSpec):
     at_most_one_of = (("stiffness", "frequency"), ("damping", "ratio"))
 
     makes = PlannedLink
+    only_written = ("frequency", "ratio", "damping")
     stiffness: Stiffness = 0.0
     frequency: Frequency | None = None
     ratio: Ratio | None = None
@@ -44,9 +45,7 @@ class LinkSpec(BetweenSpec):
     preload: Annotated[float, Quantity(("force",))] = 0.0
 
     def given(self) -> dict[str, Any]:
-        values = super().given()
-        dashpot = values.pop("damping")
-        return {**{name: one for name, one in values.items() if name not in ("frequency", "ratio")}, **dashpot}
+        return {**super().given(), **self.damping.noun()}
 
     def build(self, name: str, bodies: Mapping[str, BodySpec]) -> PlannedLink:
         """The link it describes, tuned to its body."""

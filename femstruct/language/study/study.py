@@ -12,8 +12,7 @@ from femstruct.language.evaluations.evaluation import EvaluationSpec
 from femstruct.language.evaluations.known_evaluations import KINDS
 from femstruct.language.rooms.known_rooms import AnyRoom
 from femstruct.language.study.body import BodySpec
-from femstruct.language.study.campaign.optimise import OptimiseSpec
-from femstruct.language.study.campaign.vary import SamplesSpec, VarySpec
+from femstruct.language.study.campaign.optimise import CampaignSpec
 from femstruct.language.study.contact import ContactSpec
 from femstruct.language.study.fatigue import FatigueSpec
 from femstruct.language.study.limit import LimitValue
@@ -25,7 +24,7 @@ from femstruct.language.study.sources.measured_source import MeasuredSourceSpec
 from femstruct.language.study.start import InitialSpec
 from femstruct.language.study.vibration import VibrationSpec
 from femstruct.language.study.window import AccuracySpec, ModesSpec, PeaksSpec, TimeSpec
-from femstruct.language.yaml import Here, Instant, Refers, Spec, Text, read_by, refuse
+from femstruct.language.yaml import Instant, Refers, Spec, Text, read_by, refuse
 
 
 def _changes(value: object) -> object:
@@ -44,7 +43,7 @@ class CompareSpec(Spec):
     baseline: Annotated[Text, Refers()]
 
 
-class StudyKeys(Spec):
+class StudyKeys(CampaignSpec):
     """The keys of a study file but those of the evaluations of recorded histories, a key each kind."""
 
     title: Text | None = None
@@ -69,22 +68,11 @@ class StudyKeys(Spec):
     vibration: dict[str, VibrationSpec] = Field(default_factory=dict)
     fatigue: dict[str, FatigueSpec] = Field(default_factory=dict)
     sources: dict[str, MeasuredSourceSpec] = Field(default_factory=dict)
-    vary: dict[str, VarySpec] = Field(default_factory=dict)
-    samples: SamplesSpec | None = None
-    optimise: OptimiseSpec | None = None
 
     def evaluations(self) -> Iterator[tuple[str, str, EvaluationSpec]]:
         """What is asked of recorded histories: the key of its kind, its name, and what the file says of it."""
         for key in KINDS:
             yield from ((key, name, one) for name, one in getattr(self, key).items())
-
-    def check_campaign(self, here: Here) -> None:
-        """Note what cannot vary as it is written."""
-        varied = here.each("vary", self.vary, lambda there, path, one: one.varied(path))
-        if self.optimise is not None:
-            asked, there = self.optimise, here.at("optimise")
-            there.each("vary", asked.vary, lambda at, path, one: one.varied(path))
-            there.at("robust", "over").make(lambda: asked.scattering(varied))
 
 
 if TYPE_CHECKING:

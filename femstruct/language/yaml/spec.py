@@ -35,8 +35,8 @@ class Spec(BaseModel):
 
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
     needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
-    called : what the noun calls keys for which it has another word. refused : keys of other kinds that `refuse_keys`
-    refuses.
+    called : what the noun calls keys for which it has another word. only_written : keys that the noun does not have.
+    refused : keys of other kinds that `refuse_keys` refuses.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
@@ -45,11 +45,13 @@ class Spec(BaseModel):
     needs: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
     makes: ClassVar[Callable[..., Any]] = dict
     called: ClassVar[tuple[tuple[str, str], ...]] = ()
+    only_written: ClassVar[tuple[str, ...]] = ()
     refused: ClassVar[tuple[str, ...]] = ()
 
     def given(self) -> dict[str, Any]:
-        """The values of all keys, in the noun's words, mappings as nouns; not the word that tells the kind."""
-        values = {key: getattr(self, key) for key in type(self).model_fields if key not in ("type", "shape")}
+        """The values of the noun's keys, in its words, mappings as nouns; not the word that tells the kind."""
+        left_out = ("type", "shape", *self.only_written)
+        values = {key: getattr(self, key) for key in type(self).model_fields if key not in left_out}
         nouns = {key: value.noun() if isinstance(value, Spec) else value for key, value in values.items()}
         return {dict(self.called).get(key, key): value for key, value in nouns.items()}
 

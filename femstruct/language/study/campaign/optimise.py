@@ -8,8 +8,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from femstruct.errors import InputError, shown_as
-from femstruct.language.study.campaign.vary import AnyQuantity, VarySpec
-from femstruct.language.yaml import Count, Quantity, Spec, Text, refuse
+from femstruct.language.study.campaign.vary import AnyQuantity, SamplesSpec, VarySpec, varied_of
+from femstruct.language.yaml import Count, Here, Quantity, Spec, Text, refuse
 from femstruct.language.yaml.tree import nearest
 from femstruct.study.campaign.sought import Goal
 from femstruct.study.campaign.varied import Listed, Scattered
@@ -79,3 +79,19 @@ class OptimiseSpec(Spec):
     def robustness(self) -> dict[str, Any]:
         """Quantile and samples, where something scatters."""
         return {} if self.robust is None else {"quantile": self.robust.quantile, "scatter": self.robust.samples}
+
+
+class CampaignSpec(Spec):
+    """What of a study file concerns many runs of it."""
+
+    vary: dict[str, VarySpec] = Field(default_factory=dict)
+    samples: SamplesSpec | None = None
+    optimise: OptimiseSpec | None = None
+
+    def check_campaign(self, here: Here) -> None:
+        """Note what cannot vary as it is written."""
+        varied = varied_of(self.vary, here)
+        if self.optimise is not None:
+            asked, there = self.optimise, here.at("optimise")
+            varied_of(asked.vary, there)
+            there.at("robust", "over").make(lambda: asked.scattering(varied))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
@@ -10,7 +10,7 @@ from pydantic import Field
 
 from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, shown_as
-from femstruct.language.yaml import Count, Measured, Spec, Text, read_by, refuse
+from femstruct.language.yaml import Count, Here, Measured, Spec, Text, read_by, refuse
 from femstruct.study.campaign.varied import Listed, Sampling, Scattered
 from femstruct.units import QuantityError, quantity_of
 
@@ -121,11 +121,9 @@ class SamplesSpec(Spec):
         return Sampling(self.method or "latin hypercube", self.count, self.seed or 1)
 
 
-class VariedSpec(Spec):
-    """What of a study file concerns a campaign."""
-
-    vary: dict[str, VarySpec] = Field(default_factory=dict)
-    samples: SamplesSpec | None = None
+def varied_of(specs: Mapping[str, VarySpec], here: Here) -> dict[str, Listed | Scattered]:
+    """The nouns of all paths under `vary:` of a mapping, by path; those refused are noted and left out."""
+    return here.each("vary", specs, lambda there, path, one: one.varied(path))
 
 
 def written(number: float, unit: str) -> str:
