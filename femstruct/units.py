@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import unicodedata
 from collections.abc import Collection, Mapping, Sequence
 from decimal import Decimal, DecimalException
 from fractions import Fraction
@@ -33,6 +34,9 @@ _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(.*)", re.ASCII | re.DOTALL)
 _COMMA: Final = re.compile(r"[+-]?\d+,\d[\d.,]*", re.ASCII)
 _FACTOR: Final = re.compile(r"([^\W\d_]+|%|°|1)\^?(-?\d+(?:\.\d+)?|\(-?\d+/[1-9]\d*\))?")
+_TYPED: Final = "µ°⁻¹²³"  # read as they are
+_RAISED: Final = str.maketrans("⁻¹²³", "-123")
+_PRINTED: Final = str.maketrans(dict.fromkeys("\u2212\u2013", "-") | dict.fromkeys("\u2018\u2019\u201c\u201d\u201e"))
 _NEAR: Final = 0.75  # how alike an unknown unit and a known one are: kHzz and kHz; not dm and m
 _TWINS: Final = ("u", "\N{GREEK SMALL LETTER MU}")  # written as the micro sign
 _KINDS: Final = frozenset(unit.exponents for unit in UNITS.values())
@@ -100,7 +104,12 @@ def _read(value: object, dimensions: Mapping[str, Dimension]) -> tuple[float, st
         return _finite(value, shown, expected), None
     if not isinstance(value, str) or isinstance(value, bool):
         raise QuantityError("quantity", got=shown, expected=expected, do=example)
-    text = value.strip()
+    text = " ".join(value.split())  # blanks of any width
+    typed = "".join(one if one in _TYPED else unicodedata.normalize("NFKC", one) for one in text).translate(_PRINTED)
+    if typed != text and _QUANTITY.fullmatch(typed):
+        strange = next(one for one in text if one not in typed)
+        got = f"{shown} with the character {strange} (U+{ord(strange):04X})"
+        raise QuantityError("quantity", got=got, expected=expected, do=f"type it as {typed}")
     if _COMMA.match(text):
         do = f"write a decimal point: {text.replace(',', '.', 1)}" if text.count(",") == 1 else "leave out the commas"
         raise QuantityError("quantity", got=f"{shown} with a comma", expected=expected, do=do)
@@ -179,7 +188,8 @@ def _unit(text: str, shown: str, expected: str, example: str, dimensions: Mappin
 
 def _protect(text: str) -> str:
     """Keep the slash of an exponent like ^(3/2) out of the way of the division; other ways to write an exponent."""
-    return re.sub(r"\((-?\d+)/(\d+)\)", r"(\1|\2)", text.replace("**", "^").replace("²", "2").replace("³", "3"))
+    plain = text.replace("**", "^").translate(_RAISED)
+    return re.sub(r"\((-?\d+)/(\d+)\)", r"(\1|\2)", plain)
 
 
 def _symbol(symbol: str) -> tuple[Unit, ...]:

@@ -13,12 +13,12 @@ from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.study.campaign.optimise import CampaignSpec
 from femstruct.language.study.campaign.vary import varied_of
-from femstruct.language.yaml import Here, Mistakes, Position, Tree, parse_value, read_yaml, validate
+from femstruct.language.yaml import Here, Mistakes, Position, Tree, near_one, parse_value, read_yaml, validate
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 
 KEYS: Final = ("vary", "samples")
 RANGE: Final = re.compile(r"\s*[-+.\d][^:]*:.*")  # what a decimal comma leaves of one
-DRAWN: Final = re.compile(r"(normal|uniform)\((.*)\)")
+DRAWN: Final = re.compile(r"(\w+)\((.*)\)")
 SHORT: Final = "write it like 'bodies.damper.mass=50 g:1.5 kg:40:log' or 'parts.slab.thickness=180 mm,200 mm'"
 
 
@@ -56,9 +56,13 @@ def read_campaign(
     own = {key: tree.value[key] for key in KEYS if tree.value.get(key) is not None}
     spec = validate(CampaignSpec, own, tree, mistakes)
     found = varied_of(spec.vary if spec else {}, Here(tree, mistakes)) | varied_by(vary, mistakes)
+    for text in [one for one in overrides if one.partition("=")[0].strip() in found]:
+        mistakes.add(
+            Position(f"--set {text}"), "", got="a path that varies", expected="another path", do="leave it out"
+        )
     mistakes.stop_if_any()
     if not found:
-        near = next((f"write '{key.lower()}' for '{key}'" for key in tree.value if key.lower() in KEYS[:1]), "")
+        near = next((f"write '{key.lower()}' for '{key}'" for key in tree.value if key.lower() == "vary" != key), "")
         do = near or "add 'vary: {PATH: {from: .., to: .., steps: ..}}' to it, or --vary"
         raise InputErrors((f"{path}: vary: got a study that varies nothing, expected one or more paths; {do}",))
     if case:
@@ -126,7 +130,10 @@ def _short(text: str, mistakes: Mistakes, ranges: bool) -> Tree:
     listed = parse_value(f"[{written}]", file, mistakes).value if "," in written else [written]
     ends = [one.strip() for one in written.split(":")] if len(listed) == 1 and "," not in written else [written]
     drawn = DRAWN.fullmatch(written)
-    if drawn is not None and equals and path:
+    if drawn is not None and drawn[1] not in ("normal", "uniform"):
+        do = near_one(drawn[1], ("normal", "uniform"))
+        mistakes.add(Position(file), "", got=f"'{written}'", expected="normal(MEAN, SD) or uniform(FROM, TO)", do=do)
+    elif drawn is not None and equals and path:
         pair = [one.strip() for one in drawn[2].split(",")]
         value = (
             {"uniform": pair} if drawn[1] == "uniform" else {"normal": dict(zip(("mean", "sd"), pair, strict=False))}

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from acoustics.fields.shaped import ShapedRoom
-from femstruct.errors import InputErrors, shown_as
+from femstruct.errors import InputErrors
 from femstruct.files.inputs.opening import beside
 from femstruct.language.model.model import ModelSpec
 from femstruct.language.models import (
@@ -190,10 +190,8 @@ def _baseline(study: Tree, names: Sequence[str]) -> str:
 
 def _model_tree(there: Here, name: Any) -> Tree | None:
     """The model file a study names, beside it; None with mistakes noted."""
-    if name is None:
-        return None  # the schema notes that it is missing
-    if not there.need(isinstance(name, str) and bool(name.strip()), shown_as(name), "the name of a model file"):
-        return None
+    if not isinstance(name, str) or not name.strip():
+        return None  # the schema notes what it is
     tree = there.make(lambda: read_yaml(beside(there.tree.file, name), there.position, there.path))
     sound = tree is not None and there.make(lambda: refuse_kind(tree, "model", MODEL_KEYS, study_keys))
     return tree if sound else None

@@ -111,9 +111,10 @@ def override(patch: Patch, overrides: Sequence[str]) -> None:
     """Apply texts ``PATH=VALUE`` of the command line; mistakes are noted under ``--set``."""
     for text in overrides:
         path, equals, value = (part.strip() for part in text.partition("="))
-        is_one = equals and path
+        is_one, told = bool(equals and path and value), len(patch.mistakes.lines)
         there = Here(parse_value(value if is_one else "0", f"--set {text}", patch.mistakes), patch.mistakes)
-        if there.need(is_one, "no PATH=VALUE", "--set bodies.ball.mass='60 g'"):
+        there.need(is_one, "no PATH=VALUE", "--set bodies.ball.mass='60 g'")
+        if len(patch.mistakes.lines) == told:
             for one in patch.added_by_cases(path) or (path,):
                 patch.assign(one, there.tree.value, there, of_cases=True)
             _refuse_if_set_again(patch, path, there)

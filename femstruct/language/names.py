@@ -6,7 +6,9 @@ import re
 from collections.abc import Mapping
 from typing import Any, Final
 
-from femstruct.language.yaml import Here, Mistakes, Tree
+from femstruct.language.model.model import ModelSpec
+from femstruct.language.patch import groups, study_schema
+from femstruct.language.yaml import Here, Mistakes, Tree, mapping_in
 
 LONGEST: Final = 80  # characters
 NAMESPACE: Final = (
@@ -26,6 +28,7 @@ NAMESPACE: Final = (
 _READABLE: Final = (  # what is wrong, got, expected, do
     (lambda name: len(name) > LONGEST, "a name of {size} characters", f"at most {LONGEST}", "shorten it"),
     (lambda name: "\n" in name or "\t" in name, "a name with a tab or a new line", "a name in one line", ""),
+    (lambda name: name != name.strip(), "the name '{name}'", "a name without blanks at its ends", "remove them"),
     # legends of pictures leave such lines out
     (lambda name: name.startswith("_"), "the name '{name}'", "a name that does not begin with _", "rename it"),
 )
@@ -50,14 +53,16 @@ def check_names(model: Tree | None, study: Tree | None, mistakes: Mistakes) -> N
     seen: dict[str, str] = {}
     if study is not None:
         here = Here(study, mistakes)
-        _check_file_names(here.at("cases"), _mapping(study.value, "cases"))
-        for room in _mapping(study.value, "rooms"):
+        _check_file_names(here.at("cases"), mapping_in(study.value, "cases"))
+        for room in mapping_in(study.value, "rooms"):
             _check_file_names(
-                here.at("rooms", room, "receivers"), _mapping(_mapping(study.value["rooms"], room), "receivers")
+                here.at("rooms", room, "receivers"), mapping_in(mapping_in(study.value["rooms"], room), "receivers")
             )
-    for tree in [tree for tree in (model, study) if tree is not None]:
-        for group in (*NAMESPACE, "materials", "sections", "frf"):
-            for name in _mapping(tree.value, group):
+    of_study = groups(study_schema()) if study is not None else ()
+    files = [(tree, own) for tree, own in ((model, groups(ModelSpec)), (study, of_study)) if tree is not None]
+    for tree, own in files:
+        for group in own:
+            for name in mapping_in(tree.value, group) if group != "cases" else ():
                 there = Here(tree, mistakes).at(group, name)
                 if _is_good(there, name, _PLAIN) and group in NAMESPACE:
                     there.need(
@@ -93,8 +98,3 @@ def _is_good(here: Here, name: str, rules: Any) -> bool:
             here.wrong(got.format(name=name, size=len(name)), expected, do.format(clean=clean), of_key=True)
             return False
     return True
-
-
-def _mapping(value: Any, key: str) -> Mapping[str, Any]:
-    found = value.get(key) if isinstance(value, dict) else None
-    return found if isinstance(found, dict) else {}

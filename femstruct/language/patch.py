@@ -6,23 +6,21 @@ import copy
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any, Final
+from typing import Any, Final, get_origin
 
 from femstruct.errors import shown_as
 from femstruct.language.model.model import ModelSpec
-from femstruct.language.yaml import Here, Mistakes, Spec, Steps, Tree, dotted, found, nearest, references
+from femstruct.language.yaml import Here, Mistakes, Spec, Steps, Tree, dotted, found, mapping_in, nearest, references
 
 MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}
-_NAMED: Final = (  # top-level mappings from names: a new name is an addition, never a slip
-    "materials", "sections", "parts", "joints", "constraints", "points", "surfaces", "supports", "cavities",
-    "frf", "bodies", "contacts", "links", "loads", "rooms", "cases",
-)  # fmt: skip
+_CHANNELS: Final = ("record", "limits")  # top-level mappings from channels, which have dots
 _NAMED_INSIDE: Final = (("damping", "modes"),)
+_OF_ALL_CASES: Final = ("cases", "compare", "vary", "samples", "optimise")
 _INDEX: Final = re.compile("[0-9]{1,6}")
 
 
 @cache
-def _study() -> type[Spec]:
+def study_schema() -> type[Spec]:
     """The schema of a study file, which who reads a model alone has no need to load."""
     from femstruct.language.study.study import StudySpec
 
@@ -31,11 +29,18 @@ def _study() -> type[Spec]:
 
 def study_keys() -> frozenset[str]:
     """The keys of a study file."""
-    return frozenset(_study().model_fields) - {"title"}
+    return frozenset(study_schema().model_fields) - {"title"}
 
 
-def _keys() -> frozenset[str]:
-    return MODEL_KEYS | study_keys()
+@cache
+def groups(schema: type[Spec]) -> tuple[str, ...]:
+    """The top-level mappings from names: a new name there is an addition, never a slip."""
+    mappings = [key for key, field in schema.model_fields.items() if get_origin(field.annotation) is dict]
+    return tuple(key for key in mappings if key not in (*_CHANNELS, "vary"))
+
+
+def _is_group(key: str | int) -> bool:
+    return key in groups(ModelSpec) or key in groups(study_schema())
 
 
 class Draft:
@@ -89,6 +94,7 @@ class Patch:
         self.study = Draft(study) if study else None
         self.model = Draft(model) if model else None
         self.mistakes = mistakes
+        self.keys = MODEL_KEYS if study is None else MODEL_KEYS | study_keys()
         self.changes: dict[str, str] = {}
 
     def draft(self, path: str) -> Draft | None:
@@ -99,7 +105,10 @@ class Patch:
     def case(self, changes: Mapping[str, Any], there: Here) -> None:
         """Apply a case: values, then `remove`, then `add`."""
         for key in [key for key in changes if key not in ("add", "remove", "model")]:
-            self.assign(key, changes[key], there.at(key))
+            first, own = key.partition(".")[0], there.at(key)
+            got, do = f"'{first}' in a case", f"'{first}:' is for all cases: move it out of 'cases:'"
+            if own.need(first not in _OF_ALL_CASES, got, "what a case can change", do, of_key=True):
+                self.assign(key, changes[key], own)
         listed, removed = changes.get("remove", []), there.at("remove")
         for number, path in enumerate(listed if isinstance(listed, list) else [listed]):
             self._remove(path, removed.at(number) if isinstance(listed, list) else removed)
@@ -127,7 +136,7 @@ class Patch:
             return
         for key, item in value.items():
             if key not in old and _is_named(steps):
-                _unknown(dotted((*steps, key)), steps, key, draft, there.at(key))
+                self._unknown(dotted((*steps, key)), steps, key, draft, there.at(key))
             else:
                 self._merge(draft, (*steps, key), item, there.at(key))
 
@@ -136,13 +145,13 @@ class Patch:
         draft, first = self.draft(path), path.partition(".")[0]
         if draft is None:
             return
-        if first in _NAMED and path.count(".") == 1:
+        if first in _CHANNELS or (_is_group(first) and path.count(".") == 1):
             _create(draft, first, there)
         steps, rest = _reach(draft.value, path)
         if steps and not rest:
             there.wrong(f"'{path}', which is there already", "a new path", "set its value", of_key=True)
-        elif "." in rest or (not steps and rest not in _keys()):
-            _unknown(path, steps, rest, draft, there)
+        elif ("." in rest and not _of_channels(steps)) or (not steps and rest not in self.keys):
+            self._unknown(path, steps, rest, draft, there)
         elif there.need(isinstance(draft.at(steps), dict), f"'{path}'", "a path into a mapping", of_key=True):
             draft.put((*steps, rest), value, there)
             self.changes[path] = f"added: {_told(value)}"
@@ -168,7 +177,7 @@ class Patch:
         """What cannot be without the thing removed: what refers to it and goes with it; anything's records, their
         limits, and FRFs."""
         gone, study = {name}, self.study
-        for draft, schema in ((study, _study), (self.model, lambda: ModelSpec)):
+        for draft, schema in ((study, study_schema), (self.model, lambda: ModelSpec)):
             if draft is not None:
                 going = [one.path for one in references(schema()) if one.refers.goes_with == kind]
                 for owner in {steps[:2] for path in going for steps, used in found(draft.value, path) if used == name}:
@@ -177,15 +186,15 @@ class Patch:
         if study is None or kind in ("materials", "sections", "frf", "cases"):
             return
         dropped = {name} if kind in ("record", "rooms") else set()
-        for target in list(_mapping(study.value, "record")):
+        for target in list(mapping_in(study.value, "record")):
             own = kind == "bodies" and target.startswith(f"{name} on ")
             if own or not gone.isdisjoint((target, target.rpartition(".")[0])):
                 study.drop(("record", target))
                 dropped.add(target)
-        for limit in list(_mapping(study.value, "limits")):
+        for limit in list(mapping_in(study.value, "limits")):
             if limit.rpartition(" ")[0] in dropped:
                 study.drop(("limits", limit))
-        for request, spec in list(_mapping(study.value, "frf").items()):
+        for request, spec in list(mapping_in(study.value, "frf").items()):
             ends = [str(spec.get(side, "")) for side in ("drive", "response")] if isinstance(spec, dict) else []
             if any(end.rpartition(".")[0] in gone for end in ends):
                 study.drop(("frf", request))
@@ -200,8 +209,8 @@ class Patch:
         draft = self.draft(path)
         if draft is None or self.study is None or not _reach(draft.value, path)[1]:
             return ()
-        cases = {name: case for name, case in _mapping(self.study.value, "cases").items() if isinstance(case, dict)}
-        found = (name for name, case in cases.items() if not _reach(_mapping(case, "add"), path)[1])
+        cases = {name: case for name, case in mapping_in(self.study.value, "cases").items() if isinstance(case, dict)}
+        found = (name for name, case in cases.items() if not _reach(mapping_in(case, "add"), path)[1])
         return tuple(f"cases.{name}.add.{path}" for name in found)
 
     def refuse_unknown_in(self, group: Steps) -> None:
@@ -226,21 +235,37 @@ class Patch:
             return None
         steps, rest = _reach(draft.value, path)
         first = path.partition(".")[0]
-        if may_be_new and rest and path.count(".") == 1 and first in _keys() and first not in _NAMED:
+        below = first in _CHANNELS or (path.count(".") == 1 and first in self.keys and not _is_group(first))
+        if may_be_new and rest and below:
             _create(draft, first, there)
             steps, rest = _reach(draft.value, path)
         if steps and not rest:
             return steps
-        own = "." not in rest and "[" not in path and isinstance(draft.at(steps), dict)
-        if may_be_new and own and (steps or rest in _keys()) and not _is_named(steps):
+        own = _of_channels(steps) or ("." not in rest and "[" not in path)
+        may_be_there = own and isinstance(draft.at(steps), dict) and (steps or rest in self.keys)
+        if may_be_new and may_be_there and not _is_named(steps):
             return (*steps, rest)  # the schema knows whether there is such a key
-        _unknown(path, steps, rest, draft, there, self._added(steps) if of_cases else ())
+        self._unknown(path, steps, rest, draft, there, self._added(steps) if of_cases else ())
         return None
+
+    def _unknown(self, path: str, steps: Steps, rest: str, draft: Draft, there: Here, also: Sequence[str] = ()) -> None:
+        """Note a path that is there as far as some steps, with the nearest key, or name in `also`, in place of the
+        rest."""
+        known, first = draft.at(steps) if steps else self.keys, rest.partition(".")[0]
+        do = nearest(first, [*(known if isinstance(known, dict | frozenset) else ()), *also])
+        if not steps and first in self.keys:
+            do = f"there is no '{first}:' in the file"
+        elif not steps and first in study_keys():
+            do = f"'{first}:' is a key of studies: name the study file"
+        named = _is_named(steps) and isinstance(known, dict) and "." not in rest
+        new = "a new one goes under 'add:'" if named else ""
+        told = "; ".join(text for text in (do, new) if text)
+        there.wrong(f"the path '{path}', which does not exist", "a path of the files", told, of_key=True)
 
     def _added(self, steps: Steps) -> tuple[str, ...]:
         """Names that cases add to a group."""
-        cases = _mapping(self.study.value, "cases").values() if self.study is not None and len(steps) == 1 else ()
-        added = [path for case in cases if isinstance(case, dict) for path in _mapping(case, "add")]
+        cases = mapping_in(self.study.value, "cases").values() if self.study is not None and len(steps) == 1 else ()
+        added = [path for case in cases if isinstance(case, dict) for path in mapping_in(case, "add")]
         return tuple(path.split(".", 1)[1] for path in added if path.startswith(f"{steps[0]}."))
 
 
@@ -250,23 +275,12 @@ def _create(draft: Draft, first: str, there: Here) -> None:
         draft.keys[first,] = draft.values[first,] = there.tree.position(there.steps, of_key=True)
 
 
-def _unknown(path: str, steps: Steps, rest: str, draft: Draft, there: Here, also: Sequence[str] = ()) -> None:
-    """Note a path that is there as far as some steps, with the nearest key, or name in `also`, in place of the rest."""
-    known = draft.at(steps) if steps else _keys()
-    do = nearest(rest.partition(".")[0], [*(known if isinstance(known, dict | frozenset) else ()), *also])
-    named = _is_named(steps) and isinstance(known, dict) and "." not in rest
-    new = "a new one goes under 'add:'" if named else ""
-    told = "; ".join(text for text in (do, new) if text)
-    there.wrong(f"the path '{path}', which does not exist", "a path of the files", told, of_key=True)
-
-
-def _mapping(value: Mapping[str, Any], key: str) -> dict[str, Any]:
-    inside = value.get(key)
-    return inside if isinstance(inside, dict) else {}
-
-
 def _is_named(steps: Steps) -> bool:
-    return (len(steps) == 1 and steps[0] in _NAMED) or steps in _NAMED_INSIDE
+    return (len(steps) == 1 and _is_group(steps[0])) or steps in _NAMED_INSIDE
+
+
+def _of_channels(steps: Steps) -> bool:
+    return len(steps) == 1 and steps[0] in _CHANNELS
 
 
 def _told(value: Any) -> str:

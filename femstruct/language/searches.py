@@ -12,7 +12,7 @@ from femstruct.language.campaigns import overridden, varied_by
 from femstruct.language.models import title_of
 from femstruct.language.study.campaign.optimise import CampaignSpec
 from femstruct.language.study.campaign.vary import varied_of
-from femstruct.language.yaml import Here, Mistakes, Position, parse_value, validate
+from femstruct.language.yaml import Here, Mistakes, Position, mapping_in, nearest, parse_value, validate
 from femstruct.study.campaign.sought import Search
 
 KEYS: Final = ("vary", "optimise")
@@ -49,7 +49,7 @@ def read_search(
     overrides = expect("read_search overrides", overrides, tuple[str, ...])
     mistakes = Mistakes()
     tree = overridden(path, overrides, KEYS, mistakes)
-    asked_for = _goals([goal] if isinstance(goal, str) else goal)
+    asked_for = _goals([goal] if isinstance(goal, str) else goal, mistakes)
     block = dict(tree.value["optimise"]) if isinstance(tree.value.get("optimise"), dict) else {}
     if asked_for:
         block = {key: one for key, one in block.items() if key not in ("minimise", "maximise")} | asked_for
@@ -62,6 +62,9 @@ def read_search(
     mistakes.stop_if_any()
     assert spec is not None and spec.optimise is not None
     here, asked = Here(tree, mistakes), spec.optimise
+    cases = mapping_in(tree.value, "cases")
+    if asked.case is not None and not case:
+        here.at("optimise", "case").need(asked.case in cases, f"'{asked.case}'", "a case", nearest(asked.case, cases))
     designs = varied_of(asked.vary, here.at("optimise")) | varied_by(vary, mistakes, ranges=True)
     varied = varied_of(spec.vary, here)
     mistakes.stop_if_any()
@@ -96,15 +99,18 @@ def _steps(where: str) -> tuple[str, ...]:
     return tuple(where.split("."))
 
 
-def _goals(texts: Sequence[str]) -> dict[str, list[str]]:
+def _goals(texts: Sequence[str], mistakes: Mistakes) -> dict[str, list[str]]:
     """Goals of the command line, as a file would say them.
 
-    >>> _goals(["minimise total mass", "maximise mode 1 frequency"])
+    >>> _goals(["minimise total mass", "maximise mode 1 frequency"], Mistakes())
     {'minimise': ['total mass'], 'maximise': ['mode 1 frequency']}
     """
     found: dict[str, list[str]] = {}
     for sense, _, name in (text.partition(" ") for text in texts if text):
         found.setdefault(sense, []).append(name)
+        if not name.strip():
+            mistakes.add(Position(f"--{sense}"), "", got="an empty text", expected="the name of a number")
+    mistakes.stop_if_any()
     return found
 
 

@@ -44,7 +44,7 @@ MISTAKES = {
     "a product that is no material": ("concrete C30/37", "hanger ARH-1-20",
         r"2:17: materials\.stone\.like: got 'hanger ARH-1-20', expected a material of the library; "),
     "a ceiling that is a frame": ("between: [floor, ceiling], spacing", "between: [floor, joists], spacing",
-        r"10:43: parts\.clips\.between\[1\]: got 'joists', expected the name of a plate or slab; "),
+        r"10:43: parts\.clips\.between\[1\]: got 'joists', of type frame, expected the name of a plate or slab; "),
     "a ceiling hung on itself": ("between: [floor, ceiling], spacing", "between: [ceiling, ceiling], spacing",
         r"10:35: parts\.clips\.between: got 'ceiling' twice, expected two different parts"),
     "no spacing": (CLIPS, CLIPS.replace("spacing: [1 m, 0.6 m], ", ""),

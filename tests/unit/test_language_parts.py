@@ -75,7 +75,7 @@ MISTAKES = {
     "beyond the block": ("rectangle: [0.8, 0.6]", "rectangle: [1.2, 0.6]", "region: {rectangle: [1.2",
         r"parts\.mat\.region: got a region that reaches 0\.1 m beyond machine"),
     "edge of a block": ("on: slab, edge: all", "on: machine, edge: all", "machine, edge",
-        r"supports\.walls\.on: got 'machine', expected the name of a plate"),
+        r"supports\.walls\.on: got 'machine', of type block, expected the name of a plate"),
 }  # fmt: skip
 
 

@@ -143,7 +143,7 @@ MISTAKES = {
     "both": ("set: FEET}\nsurf", "set: FEET, at: [0, 0, 0]}\nsurf", "{on: tray, set: FEET, at",
         r"points\.feet: got both at and set"),
     "a set of a frame": ("{on: tray, set: FEET}", "{on: leg, set: FEET}", "leg, set",
-        r"points\.feet\.on: got 'leg', expected the name of a part that is a mesh"),
+        r"points\.feet\.on: got 'leg', of type frame, expected the name of a part that is a mesh"),
     "a set that no point has": ("{on: tray, set: FEET}", "{on: tray, set: FOOT}", "{on: tray, set: FOOT",
         r"points\.feet.*: got 'FOOT', no set of tray\.inp"),
     "a rectangle of a shell": ("region: {set: FLOOR}", "region: {rectangle: [1 m, 1 m]}", "{rectangle",

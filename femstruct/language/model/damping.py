@@ -42,6 +42,8 @@ class DampingSpec(Spec):
     modes: dict[str, ModeDampingSpec] = Field(default_factory=dict)
 
     def check(self, here: Here) -> None:
+        given, do = self.rayleigh is None or self.rayleigh.model_fields_set, "write it like {beta: 1e-5 s}"
+        here.at("rayleigh").need(given, "no alpha and no beta", "one or both of them", do)
         for mode in self.modes:
             here.at("modes", mode).need(
                 re.fullmatch("[1-9][0-9]{0,5}", mode), f"'{mode}'", "a mode number from 1", of_key=True

@@ -27,6 +27,7 @@ class SpringSpec(PartSpec):
         if there.need(first != "ground", "'ground'", "a point first", f"write [{second}, ground]"):
             there.known(first, "point")
         here.at("between", 1).known(second, "point", ["ground"])
+        here.at("between").need(first != second, f"'{first}' twice", "two different places")
         here.need(
             any((*self.stiffness.noun(), *self.damping.noun())),
             "no stiffness and no damping",

@@ -30,7 +30,7 @@ class HalfSpaceSpec(RoomSpec):
     one_of = (("under", "above", "below"),)
     signs = ("above", "below")
     is_open: ClassVar[bool] = True
-    refused = _CLOSED
+    refused = (*_CLOSED, "under")
 
     above: SurfaceName | None = None
     below: SurfaceName | None = None

@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field
 
 from acoustics.fields.shaped import ShapedRoom
 from acoustics.receivers import Receiver
+from femstruct.errors import shown_as
 from femstruct.language.air import AirSpec
 from femstruct.language.model.point import places
 from femstruct.language.study.body import BodySpec
@@ -21,10 +22,13 @@ from femstruct.study.asked import RoomPlan
 
 
 def _receivers(value: object) -> object:
+    expected = "[x, y, z] from the room's lower corner"
+    if not isinstance(value, list):
+        raise refuse(shown_as(value), expected, "of several places write [[x, y, z], [x, y, z]]")
     found = places(value)
     for place in found:
         if len(place) != 3:
-            raise refuse(f"{len(place)} coordinates", "[x, y, z] from the room's lower corner")
+            raise refuse(f"{len(place)} coordinates", expected)
     return found
 
 

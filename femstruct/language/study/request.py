@@ -61,9 +61,9 @@ class FrfSpec(Spec):
         else:
             there.spot(self.response, forces=True)
         if here.at("band").need(low < high, f"{low:g} to {high:g} Hz", "a rising band [low, high]"):
-            here.at("step").need(
-                ((high - low) / self.step) <= 1e6, f"{self.step:g} Hz", "at most a million lines", "take a wider step"
-            )
+            step, width = here.at("step"), high - low
+            step.need(width / self.step <= 1e6, f"{self.step:g} Hz", "at most a million lines", "take a wider step")
+            step.need(self.step <= width, f"{self.step:g} Hz", f"at most the width of the band, {width:g} Hz")
 
     @property
     def from_room(self) -> bool:

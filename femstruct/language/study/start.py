@@ -37,6 +37,8 @@ class InitialSpec(Spec):
             there.need(measured.dimension in (None, right), f"a {measured.dimension}", unit)
         if self.rigid is not None:
             here.at("rigid", "about").place(self.rigid.about)
+            moves, do = any((*self.rigid.velocity, *self.rigid.spin)), "add 'velocity: [0, 0, -1 m/s]'"
+            here.at("rigid").need(moves, "no velocity and no spin", "a motion", do)
 
     def given(self) -> dict[str, Any]:
         velocities = tuple((spot_of(address), one.value) for address, one in (self.velocity or {}).items())

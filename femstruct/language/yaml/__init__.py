@@ -51,7 +51,17 @@ from femstruct.language.yaml.spec import (
     word_or,
     words_of,
 )
-from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, near_name, nearest
+from femstruct.language.yaml.tree import (
+    Mistakes,
+    Position,
+    Steps,
+    Tree,
+    dotted,
+    mapping_in,
+    near_name,
+    near_one,
+    nearest,
+)
 from femstruct.language.yaml.validation import validate
 
 __all__ = [
@@ -103,8 +113,10 @@ __all__ = [
     "found",
     "lines_of_keys",
     "made_of_file",
+    "mapping_in",
     "members",
     "near_name",
+    "near_one",
     "nearest",
     "only",
     "parse_value",

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from acoustics.errors import AcousticsError
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, near_one, nearest
+from femstruct.language.yaml.tree import Mistakes, Position, Steps, Tree, dotted, mapping_in, near_one, nearest
 
 T = TypeVar("T")
 POINT_DIRECTIONS = (*DIRECTIONS, "n")
@@ -105,9 +105,12 @@ class Here:
         """Whether something of a kind has this name, or it is one of the others; noted where not."""
         names = [*self.names.known.get(kind, ()), *also]
         if name not in names:
+            part = mapping_in(mapping_in(self.tree.value, "parts"), name).get("type")
+            group = next((key for key in self.tree.value if name in mapping_in(self.tree.value, key)), "")
+            is_what = f", of type {part}" if part else f", one of the {group}" if group else ""
             self.wrong(
-                f"'{name}'",
-                f"the name of a {kind}",
+                f"'{name}'{is_what}",
+                f"the name of a {kind}{' with nodes' if part and kind == 'part' else ''}",
                 nearest(name, names) if names else f"there are none: add one to '{GROUPS.get(kind, 'parts')}:'",
             )
         return name in names

@@ -22,6 +22,8 @@ DEEPEST: Final = 40
 _WHOLE: Final = re.compile(r"[-+]?[0-9]{1,18}")
 _REAL: Final = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
 _NO_TEXT: Final = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+_NO_SPACE: Final = re.compile("[\u00a0\u2000-\u200a\u202f\u205f\u3000]")
+_UNSEEN: Final = re.compile("[\u00ad\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]")
 _NOT_NUMBERS: Final = {".nan": "nan", ".inf": "inf", "+.inf": "inf", "-.inf": "-inf"}
 _WORDS: Final = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
@@ -123,7 +125,7 @@ def _compose(text: str, file: str) -> Node:
         at = Position(file, mark.line + 1, mark.column + 1) if mark else at
         words = " ".join(str(part) for part in (error.context, error.problem) if part)
         tabs = "indent with spaces: YAML has no tabs" if "found character '\\t'" in words else ""
-        told = (f"broken YAML ({words})", "YAML", tabs or _to_mend(error, quoted))
+        told = (f"broken YAML ({words})", "YAML", tabs or _to_mend(error, quoted, text))
     except YAMLError:
         told = ("characters that are not text", "a text file", "")
     except RecursionError:
@@ -134,13 +136,17 @@ def _compose(text: str, file: str) -> Node:
     raise _refused(at, *told)
 
 
-def _to_mend(error: MarkedYAMLError, quoted: bool) -> str:
+def _to_mend(error: MarkedYAMLError, quoted: bool, text: str) -> str:
     """What to do about broken YAML. quoted : whether a quote is not closed."""
     if quoted:
         return "close the quote that begins here"
     if error.context_mark is not None and "flow" in str(error.context):
         return f"check brackets, commas and quotes from line {error.context_mark.line + 1} on, where the bracket opens"
     if "mapping values are not allowed" in str(error.problem):
+        above = list(enumerate(text.splitlines()[: error.problem_mark.line], start=1)) if error.problem_mark else []
+        number, line = next(((n, row.strip()) for n, row in reversed(above) if row.strip()), (0, ""))
+        if line and not (": " in line or line.endswith(":") or line.startswith(("#", "-"))):
+            return f"line {number} is no 'key: value': write a colon and a space after its key"
         return "put quotes around text that contains ': ', and check indents"
     return "check brackets, quotes and indents"
 
@@ -201,7 +207,10 @@ class _Walk:
                 self.mistakes.add(at, dotted(steps), got="a list or mapping as a key", expected="a name")
                 continue
             key = str(key_node.value)
-            if self.is_no_text(key, at, steps):
+            if (blank := _NO_SPACE.search(key)) is not None:
+                got = f"a blank that is no space (U+{ord(blank[0]):04X}) in a key"
+                self.mistakes.add(at, dotted(steps), got=got, expected="a name", do="type a space, or nothing")
+            if blank is not None or self.is_no_text(key, at, steps):
                 continue
             if key in found:
                 first = self.keys[*steps, key]
@@ -215,19 +224,18 @@ class _Walk:
                 continue
             self.keys[*steps, key] = at
             found[key] = self.value(value_node, (*steps, key))
+            if isinstance(value_node, ScalarNode) and not (value_node.value or value_node.style):
+                self.values[*steps, key] = at  # nothing stands there: it would be the next line
         return found
 
     def is_no_text(self, text: str, at: Position, steps: Steps) -> bool:
-        """Note what no system can print, write or use in a name: NUL and its like, halves of characters."""
-        found = _NO_TEXT.search(text)
+        """Note what no system can print, write or use in a name: NUL and its like, halves of characters; and what
+        nobody sees."""
+        found = _NO_TEXT.search(text) or _UNSEEN.search(text)
         if found:
-            self.mistakes.add(
-                at,
-                dotted(steps),
-                got=f"a character that is no text (U+{ord(found[0]):04X})",
-                expected="text",
-                do="remove it",
-            )
+            kind = "cannot be seen" if _UNSEEN.fullmatch(found[0]) else "is no text"
+            got = f"a character that {kind} (U+{ord(found[0]):04X})"
+            self.mistakes.add(at, dotted(steps), got=got, expected="text", do="remove it")
         return found is not None
 
     def scalar(self, node: ScalarNode, steps: Steps) -> Any:

@@ -209,7 +209,8 @@ class Quantity:
 
 def _text(value: object) -> str:
     if not isinstance(value, str):
-        raise refuse(shown_as(value), "a name or text", "put quotes around it if it is meant as text")
+        do = "" if value is None else "put quotes around it if it is meant as text"
+        raise refuse(shown_as(value), "a name or text", do)
     if not value.strip():
         raise refuse("an empty text", "a name or text")
     return value

@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
+from unicodedata import normalize
 
 from femstruct.errors import InputErrors, sentence, some_of
 
@@ -68,6 +69,12 @@ class Tree:
         return self.keys.get(steps, Position(self.file, 1, 1))
 
 
+def mapping_in(value: Any, key: str) -> dict[str, Any]:
+    """The mapping at a key of a mapping, empty where there is none."""
+    found = value.get(key) if isinstance(value, dict) else None
+    return found if isinstance(found, dict) else {}
+
+
 def dotted(steps: Steps) -> str:
     """A path as people write it.
 
@@ -95,11 +102,13 @@ def near_one(name: str, known: Iterable[object]) -> str:
     ("did you mean 'hertz'?", '')
     """
     near = near_name(name, known)
+    if near and near != name and normalize("NFKC", near).split() == normalize("NFKC", name).split():
+        return f"'{near}' looks alike, but has other characters (Unicode): copy it from there"
     return f"did you mean '{near}'?" if near else ""
 
 
 def near_name(name: str, known: Iterable[object]) -> str:
     """The known name nearest to this one, empty when none is near."""
-    folded = {one.lower(): one for one in sorted({str(one) for one in known}, reverse=True)}
-    near = difflib.get_close_matches(name[:100].lower(), folded, n=1, cutoff=0.6)
+    folded = {normalize("NFC", one).lower(): one for one in sorted({str(one) for one in known}, reverse=True)}
+    near = difflib.get_close_matches(normalize("NFC", name[:100]).lower(), folded, n=1, cutoff=0.6)
     return folded[near[0]] if near else ""

@@ -16,7 +16,7 @@ from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_nam
 
 S = TypeVar("S", bound=BaseModel)
 NUMBER_LIKE: Final = re.compile(r"\d+([eE][+-]?\d+)?( .*)?")  # what is left of a number cut at a decimal comma
-
+GIVEN: Final = "given"  # the kind that is told by its own keys, not by a word
 COMMA: Final = "write decimals with a point: a comma begins the next item"
 
 
@@ -86,7 +86,7 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
         return
     if kind == "union_tag_invalid":
         loc = (*loc, _tells(schema, loc))
-    steps = _steps(loc, tree.value, absent=kind != "refused")
+    steps = _steps(loc, tree.value, absent=kind == "missing")
     if kind == "missing" and isinstance(loc[-1], int):
         steps = steps[:-1]
     at = tree.position(steps, of_key=kind == "extra_forbidden" or (kind == "missing" and isinstance(loc[-1], str)))
@@ -121,7 +121,8 @@ def _told(
             key, known = _tells(schema, loc), " | ".join(tag for one in _at(schema, loc) for tag in _tags(one))
             return f"no '{key}'", f"a key '{key}'", f"add {key}: {known}" if known else f"add '{key}: ...'"
         case "union_tag_invalid":
-            words, word = [tag.strip(" '") for tag in context["expected_tags"].split(",")], context["tag"]
+            tags, word = [tag.strip(" '") for tag in context["expected_tags"].split(",")], context["tag"]
+            words = [tag for tag in tags if tag != GIVEN]
             return f"'{word}'", f"one of {', '.join(words)}", near_one(word, words)
         case "literal_error":
             words = re.findall("'([^']*)'", context["expected"])
@@ -144,7 +145,7 @@ def _told_of_key(key: str, known: list[str]) -> tuple[str, str, str]:
 
 def _steps(loc: Steps, value: Any, absent: bool = True) -> Steps:
     """A pydantic location without the tags of its unions: only what is in the tree, and a last missing key (`absent`;
-    what refuses a whole mapping misses none, and its last step may be a tag)."""
+    of other mistakes the last step may be a tag)."""
     steps: list[str | int] = []
     tagged = False
     for number, step in enumerate(loc):
@@ -175,7 +176,7 @@ def _tags(schema: Any) -> tuple[str, ...]:
     """By which words a kind is told from the others."""
     fields = _fields(schema)
     literal = fields.get("type", fields.get("shape"))
-    return get_args(literal) if literal is not None else ("given",)
+    return get_args(literal) if literal is not None else (GIVEN,)
 
 
 def _at(schema: Any, loc: Steps) -> list[Any]:

@@ -266,13 +266,13 @@ def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -
             axis=1,
         )
         rigid = np.array([kind == "rigid" for kind in basis.kind])
-        shapes = basis.shapes[:, :6, rigid].reshape(-1, int(rigid.sum()))
+        shapes = basis.shapes[:, :6, rigid].reshape(wanted.size, int(rigid.sum()))
         q, *_ = np.linalg.lstsq(shapes, wanted.ravel(), rcond=None)
         missed = np.abs(shapes @ q - wanted.ravel()).max() / np.abs(wanted).max() if wanted.any() else 0.0
         if missed > 1e-6:
             raise InputError(
                 "initial.rigid",
-                got=f"a motion that its {int(rigid.sum())} rigid-body modes do not contain ({100 * missed:.2g} %)",
+                got=f"a motion that its {int(rigid.sum())} rigid-body modes do not contain ({100 * missed:.3g} %)",
                 expected="a structure that is free to move like this",
                 do="remove the supports and springs that prevent it",
             )

@@ -100,7 +100,9 @@ class VarySpec(Spec):
         if log and not min(low, high) > 0.0:
             raise InputError(where, got=f"{min(low, high):g} on a logarithmic scale", expected="a positive number")
         between = np.geomspace(low, high, self.steps) if log else np.linspace(low, high, self.steps)
-        numbers = tuple(map(float, between))
+        numbers = tuple(float(f"{one:.15g}") for one in between)  # 0.02, not 0.019999999999999997
+        if len(set(numbers)) < len(numbers):
+            raise InputError(where, got=f"{self.steps} steps from {low:g} to {high:g}", expected="different values")
         return Listed(path, tuple(written(one, unit) for one in numbers), numbers, unit)
 
 
@@ -138,6 +140,9 @@ def written(number: float, unit: str) -> str:
 def _listed(path: str, values: list[Any]) -> Listed:
     """Values as they stand; numbers, too, where all are of one dimension."""
     texts = tuple(_text(one) for one in values)
+    twice = next((text for number, text in enumerate(texts) if text in texts[:number]), None)
+    if twice is not None:
+        raise InputError(f"vary.{path}", got=f"{twice} twice", expected="each value once", do="remove one of them")
     try:
         found = [Measured(*quantity_of(one, tuple(DIMENSIONS))) for one in values]
     except QuantityError:
@@ -164,13 +169,15 @@ def _refuse_without_unit(where: str, several: Sequence[Measured]) -> None:
 def _text(value: Any) -> str:
     """A value in the flow style of YAML.
 
-    >>> _text([2.0, "1.5 m"]), _text({"a": 1}), _text("50 g")
-    ('[2.0, 1.5 m]', '{a: 1}', '50 g')
+    >>> _text([2.0, "1.5 m"]), _text({"a": 1}), _text("50 g"), _text(None)
+    ('[2.0, 1.5 m]', '{a: 1}', '50 g', 'null')
     """
     if isinstance(value, list):
         return f"[{', '.join(map(_text, value))}]"
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {_text(one)}" for key, one in value.items()) + "}"
+    if value is None:
+        return "null"
     return ("true" if value else "false") if isinstance(value, bool) else str(value)
 
 

@@ -1,0 +1,246 @@
+"""Slips of everyday: keyboards, editors, names of other kinds, keys without a value, cases and --set; one line each."""
+
+from __future__ import annotations
+
+import unicodedata
+from pathlib import Path
+
+import pytest
+
+from femstruct.errors import InputErrors
+from femstruct.language import read_model_file, read_study
+from femstruct.language.campaigns import read_campaign
+from femstruct.language.searches import read_search
+from femstruct.units import QuantityError, quantity
+from femstruct.workflow.run.run import run_study
+
+MODEL = """\
+title: Small plate
+materials:
+  steel: {E: 210 GPa, nu: 0.3, rho: 7850}
+sections:
+  bar: {shape: circle, diameter: 10 mm}
+parts:
+  sheet: {type: plate, material: steel, thickness: 2 mm, origin: [0, 0, 0], size: [0.4, 0.3], mesh: 100 mm}
+  legs: {type: spring, between: [feet, ground], stiffness: {x: 1 kN/m, y: 1 kN/m, z: 2 kN/m}}
+points:
+  O: {on: sheet, at: center}
+  feet: {on: sheet, at: [[0, 0], [0.4, 0], [0.4, 0.3], [0, 0.3]]}
+surfaces:
+  top: {on: sheet}
+damping: {ratio: 1 %}
+"""
+STUDY = """\
+title: Ball on plate
+model: m.yaml
+modes: {up_to: 500 Hz}
+frf:
+  drive point: {drive: O.z, response: O.z, kind: mobility, band: [10 Hz, 100 Hz], step: 10 Hz}
+bodies:
+  ball: {mass: 10 g, above: O, drop_height: 10 mm, contact: {type: linear, stiffness: 10 kN/m}}
+record: {O.z: acceleration, ball on O: force}
+time: {duration: 10 ms, sampling: 10 kHz}
+cases:
+  light: {}
+  heavy: {bodies.ball.mass: 20 g}
+"""
+HEAVY = "heavy: {bodies.ball.mass: 20 g}"
+SHAKEN = "vibration.shaker: {at: O.z, harmonic: 1 N, band: [10 Hz, 20 Hz]}"
+
+
+def written(folder: Path, model: str = MODEL, study: str = STUDY) -> Path:
+    (folder / "m.yaml").write_text(model, encoding="utf-8")
+    (folder / "s.study.yaml").write_text(study, encoding="utf-8")
+    return folder / "s.study.yaml"
+
+
+def the_mistake(folder: Path, *overrides: str, model: str = MODEL, study: str = STUDY) -> str:
+    """The one mistake of a study, without the folder."""
+    with pytest.raises(InputErrors) as caught:
+        read_study(written(folder, model, study), overrides)
+    assert len(caught.value.errors) == 1, caught.value.errors
+    return caught.value.errors[0].replace(f"{folder}/", "")
+
+
+@pytest.mark.parametrize(
+    ("text", "typed"),
+    [
+        ("2 \u339c", "\u339c (U+339C), expected a length [m]; type it as 2 mm"),  # one character, of Korean keyboards
+        ("\uff12 mm", "\uff12 (U+FF12), expected a length [m]; type it as 2 mm"),
+        ("\u22122 mm", "\u2212 (U+2212), expected a length [m]; type it as -2 mm"),
+        ("\u201c2 mm\u201d", "\u201c (U+201C), expected a length [m]; type it as 2 mm"),
+    ],
+)
+def test_characters_of_print_are_named_with_what_to_type(text: str, typed: str) -> None:
+    with pytest.raises(QuantityError) as caught:
+        quantity(text, "length")
+    assert str(caught.value).endswith(f"with the character {typed}")
+
+
+def test_blanks_of_any_width_and_raised_powers_are_read() -> None:
+    assert quantity("2\u00a0mm", "length") == quantity("2\u202fmm", "length") == 2e-3
+    assert quantity("7850 kg m⁻³", "density") == 7850.0 and quantity("3 m s⁻¹", "speed") == 3.0
+    for text in ("10² mm", "10⁻³ m", "7\u00a0850 mm"):  # no powers of numbers, no thousands apart
+        with pytest.raises(QuantityError, match="write it like 5 mm"):
+            quantity(text, "length")
+
+
+IN_MODEL = {
+    "a key without a value": ("top: {on: sheet}", "top:", "m.yaml:13:3: surfaces.top: got nothing, expected a mapping"),
+    "a group without a value": ("  top: {on: sheet}\n", "", "m.yaml:12:1: surfaces: got nothing"),
+    "a spring has no place": ("on: sheet, at: center", "on: legs, at: center",
+        "m.yaml:10:11: points.O.on: got 'legs', of type spring, expected the name of a part with nodes; known"),
+    "a point is no part": ("on: sheet, at: center", "on: feet, at: center",
+        "points.O.on: got 'feet', one of the points, expected the name of a part;"),
+    "a section is no material": ("material: steel", "material: bar", "got 'bar', one of the sections, expected"),
+    "a spring of one point": ("[feet, ground]", "[feet, feet]",
+        "m.yaml:8:33: parts.legs.between: got 'feet' twice, expected two different places"),
+    "a blank in a name": ("  top: {on", "  'top ': {on",
+        "13:3: surfaces.top : got the name 'top ', expected a name without blanks at its ends; remove them"),
+    "no damping constant": ("ratio: 1 %", "rayleigh: {}", "damping.rayleigh: got no alpha and no beta, expected one"),
+    "no shape": ("shape: circle", "shape: round", "got 'round', expected one of rectangle, circle, tube, box, I"),
+    "a material by its name": ("{E: 210 GPa, nu: 0.3, rho: 7850}", "steel",
+        "m.yaml:3:10: materials.steel: got 'steel', expected a mapping"),
+    "unseen": ("material: steel", "material: steel\u200b", "got a character that cannot be seen (U+200B), expected"),
+    "no space in a key": ("  steel:", "  \u00a0steel:", "got a blank that is no space (U+00A0) in a key, expected"),
+    "no space in a name": ("material: steel", "material: steel\u00a0", "'steel' looks alike, but has other characters"),
+    "colon of full width": ("title: Small", "title\uff1aSmall", "line 1 is no 'key: value': write a colon and a space"),
+    "no space after a colon": ("title: Small", "title:Small", "line 1 is no 'key: value'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", IN_MODEL)
+def test_slips_in_a_model(name: str, tmp_path: Path) -> None:
+    old, new, told = IN_MODEL[name]
+    assert told in the_mistake(tmp_path, model=MODEL.replace(old, new, 1))
+
+
+IN_STUDY = {
+    "a group without a value": ("record: {O.z: acceleration, ball on O: force}", "record:", "8:1: record: got nothing"),
+    "a step beyond the band": ("step: 10 Hz", "step: 100 Hz",
+        "step: got 100 Hz, expected at most the width of the band, 90 Hz"),
+    "a list of models": ("model: m.yaml", "model: [m.yaml]", "2:8: model: got a list [m.yaml], expected a name"),
+    "no model": ("model: m.yaml", "model:", "s.study.yaml:2:1: model: got nothing, expected a name or text"),
+    "a baseline of one case": (HEAVY, "heavy: {compare.baseline: heavy}",
+        "12:11: cases.heavy.compare.baseline: got 'compare' in a case, expected what a case can change; 'compare:' is"),
+    "a case in a case": (HEAVY, "heavy: {cases.light.bodies.ball.mass: 20 g}", "got 'cases' in a case"),
+    "a new excitation that is not added": (HEAVY, f"heavy: {{{SHAKEN}}}",
+        "the path 'vibration.shaker', which does not exist, expected a path of the files; there is no 'vibration:'"),
+    "a channel that is none": (HEAVY, "heavy: {record.O.w: velocity}", "12:11: record.O.w: got 'O.w', expected POINT."),
+    "a receiver in the middle": (
+        "time:", "rooms: {box: {size: [5, 4, 2.5], under: top, receivers: {mic: center}}}\ntime:",
+        "receivers.mic: got 'center', expected [x, y, z] from the room's lower corner; of several places"),
+    "above and under": ("time:", "rooms: {open: {above: top, under: top, receivers: {mic: [0, 0, 1]}}}\ntime:",
+        "rooms.open: got both under and above, expected exactly one of under, above, below"),
+    "a room that is a number": ("time:", "rooms: {box: 3}\ntime:", "9:14: rooms.box: got 3, expected a mapping"),
+    "a motion of nothing": ("time:", "initial: {rigid: {about: O}}\ntime:",
+        "initial.rigid: got no velocity and no spin, expected a motion"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", IN_STUDY)
+def test_slips_in_a_study(name: str, tmp_path: Path) -> None:
+    old, new, told = IN_STUDY[name]
+    assert told in the_mistake(tmp_path, study=STUDY.replace(old, new, 1))
+
+
+def test_a_misspelt_excitation_is_no_second_one(tmp_path: Path) -> None:
+    """All names of a file are alike to cases: a new one goes under `add`."""
+    study = STUDY.replace(HEAVY, "heavy: {vibration.shake: {at: O.z}}") + SHAKEN.replace(".", ": {", 1) + "}\n"
+    assert "did you mean 'shaker'?; a new one goes under 'add:'" in the_mistake(tmp_path, study=study)
+
+
+def test_cases_add_excitations_and_change_channels(tmp_path: Path) -> None:
+    change = f"heavy: {{record.O.x: velocity, limits.O.z acceleration: 3, add: {{{SHAKEN}}}}}"
+    plan = read_study(written(tmp_path, study=STUDY.replace(HEAVY, change)))
+    light, heavy = (case.study for case in plan.cases)
+    assert [one.name for one in heavy.vibration] == ["shaker"] and not light.vibration
+    assert "O.x" in [one.target for one in heavy.records] and heavy.limits[0].name == "O.z acceleration"
+    with_set = read_study(written(tmp_path), ["record.feet.1.z=velocity"])
+    assert "feet.1.z" in [one.target for one in with_set.cases[0].study.records]
+
+
+@pytest.mark.parametrize(
+    ("override", "told"),
+    [
+        ("bodies.ball.mass=", "--set bodies.ball.mass=: got no PATH=VALUE"),
+        ("bodies.ball.mass=[1, 2", "got broken YAML"),
+        ("record.feet.9.z=velocity", "record.feet.9.z: got 'feet.9.z', expected a direction of a point; did you mean"),
+    ],
+)
+def test_slips_of_set(override: str, told: str, tmp_path: Path) -> None:
+    assert told in the_mistake(tmp_path, override)
+
+
+def test_a_key_of_studies_is_named_as_such_for_a_model(tmp_path: Path) -> None:
+    written(tmp_path)
+    with pytest.raises(InputErrors, match="'bodies:' is a key of studies: name the study file"):
+        read_model_file(tmp_path / "m.yaml", ["bodies.ball.mass=20 g"])
+    with pytest.raises(InputErrors, match="there is no 'joints:' in the file"):
+        read_model_file(tmp_path / "m.yaml", ["joints.glue.reach=20 mm"])
+
+
+def test_names_in_other_unicode_are_told_as_such(tmp_path: Path) -> None:
+    """As macOS writes Korean and umlauts: what looks the same is not the same text."""
+    apart = unicodedata.normalize("NFD", "바닥")
+    model = MODEL.replace("surfaces:", "  바닥: {on: sheet, at: center}\nsurfaces:")
+    study = STUDY.replace("above: O", f"above: {apart}").replace(", ball on O: force", "")
+    assert "'바닥' looks alike, but has other characters (Unicode)" in the_mistake(tmp_path, model=model, study=study)
+
+
+def test_windows_files_are_read(tmp_path: Path) -> None:
+    """Line ends of Windows and a byte order mark change no position."""
+    path = written(tmp_path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n").replace(b"10 g", b"10 N"))
+    with pytest.raises(InputErrors, match=r"s\.study\.yaml:7:16: bodies\.ball\.mass: got '10 N'"):
+        read_study(path)
+
+
+@pytest.mark.parametrize(
+    ("vary", "told"),
+    [
+        ("a.b=gauss(10 g, 1 g)", "got 'gauss(10 g, 1 g)', expected normal(MEAN, SD) or uniform(FROM, TO)"),
+        ("a.b=Normal(10 g, 1 g)", "did you mean 'normal'?"),
+        ("a.b=10 g:10 g:3", "vary.a.b: got 3 steps from 0.01 to 0.01, expected different values"),
+        ("a.b=10 g,10 g", "vary.a.b: got 10 g twice, expected each value once; remove one of them"),
+    ],
+)
+def test_slips_of_vary(vary: str, told: str, tmp_path: Path) -> None:
+    with pytest.raises(InputErrors) as caught:
+        read_campaign(written(tmp_path), [vary])
+    assert told in caught.value.errors[0]
+
+
+def test_values_between_two_others_have_no_digits_of_rounding(tmp_path: Path) -> None:
+    """10 g, 20 g, 30 g: in kilograms the middle was 0.019999999999999997."""
+    varied = read_campaign(written(tmp_path), ["bodies.ball.mass=10 g:30 g:3", "bodies.damper=null,{}"]).varied
+    assert varied[0].texts == ("0.01 kg", "0.02 kg", "0.03 kg")  # type: ignore[union-attr]
+    assert varied[1].texts == ("null", "{}")  # type: ignore[union-attr]
+
+
+def test_what_varies_cannot_be_set_as_well(tmp_path: Path) -> None:
+    with pytest.raises(InputErrors, match=r"--set bodies.ball.mass=3 g: got a path that varies, expected another path"):
+        read_campaign(written(tmp_path), ["bodies.ball.mass=10 g:30 g:3"], ["bodies.ball.mass=3 g"])
+
+
+def test_an_empty_vary_and_a_misspelt_one(tmp_path: Path) -> None:
+    for key, told in (("vary", "add 'vary: {PATH"), ("Vary", "write 'vary' for 'Vary'")):
+        with pytest.raises(InputErrors, match=told):
+            read_campaign(written(tmp_path, study=f"{STUDY}{key}: {{}}\n"))
+
+
+def test_slips_of_a_search(tmp_path: Path) -> None:
+    vary = ["bodies.ball.mass=10 g:30 g"]
+    with pytest.raises(InputErrors, match=r"^--minimise: got an empty text, expected the name of a number$"):
+        read_search(written(tmp_path), "minimise ", vary)
+    with pytest.raises(InputErrors, match=r":13:45: optimise.case: got 'Heavy', expected a case; did you mean 'heavy'"):
+        study = f"{STUDY}optimise: {{minimise: ball on O force, case: Heavy}}\n"
+        read_search(written(tmp_path, study=study), vary=vary)
+
+
+def test_a_rigid_motion_of_what_is_held_is_refused(tmp_path: Path) -> None:
+    """It ended in a traceback where there is no rigid-body mode at all."""
+    study = STUDY.replace("time:", "initial: {rigid: {about: O, velocity: [0, 0, 1]}}\ntime:")
+    plan = read_study(written(tmp_path, study=study))
+    with pytest.raises(Exception, match=r"a motion that its 0 rigid-body modes do not contain \(100 %\)"):
+        run_study(plan)
