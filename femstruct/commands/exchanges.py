@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from femstruct.commands.shared import NONE, AsJson, ModelFile, Sets, command
+from femstruct.commands.shared import (
+    NONE,
+    AsJson,
+    FirstModes,
+    ModelFile,
+    Modes,
+    Near,
+    OutputHere,
+    Sets,
+    as_typed,
+    command,
+)
 from femstruct.commands.study_answers import print_json, progress
 from femstruct.exits import GOOD
 
@@ -26,11 +36,9 @@ def export(
         Literal["csv", "xlsx", "npz", "mtx", "uff", "vtu"],
         typer.Option("--to", metavar="KIND", help="csv, xlsx: tables of results; npz, mtx: matrices; uff, vtu: modes"),
     ] = "csv",
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder", show_default="here")] = Path(),
-    count: Annotated[int | None, typer.Option("--count", min=1, help="number of modes")] = None,
-    up_to: Annotated[
-        str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")
-    ] = "",
+    output: OutputHere = Path(),
+    count: Modes = None,
+    up_to: FirstModes = "",
     data_sets: Annotated[
         str, typer.Option("--data-sets", metavar="N,N", help="uff: 15 or 2411 of nodes, 55 or 2414 of modes")
     ] = "",
@@ -45,8 +53,7 @@ def export(
     refuse_unwritable(output)
     extent = extent_of(count, up_to) if count is not None or up_to else None
     with progress() as tell:
-        command = " ".join(["femstruct", *sys.argv[1:]])
-        written = exported(file, to, output, extent, tuple(set_), command, tell, data_sets)
+        written = exported(file, to, output, extent, tuple(set_), as_typed(), tell, data_sets)
     paths = [str(path) for path in written]
     if as_json:
         print_json({"written": paths})
@@ -72,9 +79,8 @@ def reduce(
     from femstruct.workflow.check.asked_modes import extent_of
     from femstruct.workflow.exchange.reduced_model import reduce_model, told_of
 
-    command = " ".join(["femstruct", *sys.argv[1:]])
     with progress() as tell:
-        found = reduce_model(model, part, extent_of(count, up_to), output, tuple(set_), command, tell)
+        found = reduce_model(model, part, extent_of(count, up_to), output, tuple(set_), as_typed(), tell)
     if as_json:
         print_json(found)
     else:
@@ -90,9 +96,7 @@ def mac(
     up_to: Annotated[
         str, typer.Option("--up-to", metavar="F", help="(default: 1.5 times the highest measured frequency)")
     ] = "",
-    near: Annotated[
-        str, typer.Option("--near", metavar="PERCENT", help="width of a group of near-equal frequencies, one space")
-    ] = "1 %",
+    near: Near = "1 %",
     length: Annotated[
         str, typer.Option("--length", metavar="UNIT", help="unit of length of a file that does not say it")
     ] = "m",

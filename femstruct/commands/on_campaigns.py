@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from femstruct.commands.shared import NONE, AsJson, OnlyCase, Sets, StudyFile, command
+from femstruct.commands.shared import (
+    NONE,
+    AsJson,
+    Cluster,
+    NumbersOnly,
+    OnlyCase,
+    Sets,
+    StudyFile,
+    Workers,
+    as_typed,
+    command,
+)
 from femstruct.commands.study_answers import print_json, progress
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
@@ -41,14 +52,12 @@ def sweep(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>.sweep/")
     ] = None,
-    workers: Annotated[
-        int, typer.Option("--workers", metavar="N", min=0, help="processes", show_default="one a core")
-    ] = 0,
-    cluster: Annotated[str, typer.Option("--cluster", metavar="ADDRESS", help="of a Dask scheduler")] = "",
+    workers: Workers = 0,
+    cluster: Cluster = "",
     plan: Annotated[
         bool, typer.Option("--plan", help="only print what would be computed, and how long it takes")
     ] = False,
-    no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
+    no_pictures: NumbersOnly = False,
     as_json: AsJson = False,
 ) -> int:
     """Run a study for many values of its numbers. They stand in the study under 'vary:', or are given by --vary. Rows
@@ -72,8 +81,7 @@ def sweep(
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(asked, folder)
-        words = " ".join(["femstruct", *sys.argv[1:]])
-        rows = swept(asked, folder, workers or None, cluster, tell, words, results)
+        rows = swept(asked, folder, workers or None, cluster, tell, as_typed(), results)
         names = rows.finer(results)
         written = write_rows(rows, folder, names, tell, pictures=not no_pictures)
     if as_json:
@@ -82,9 +90,7 @@ def sweep(
         print_json(sweep_table(rows, names))
     else:
         show(swept_pieces(rows, names), console())
-        if moved is not None:
-            print(f"An earlier, different sweep is kept: its files are now {moved.with_suffix('.*')}")
-        print(f"Written: {', '.join(map(str, written))}")
+        _tell_files("sweep", moved, written)
     if not rows.done.all():
         return INTERRUPTED
     return GOOD if any(rows.trusted(one).any() for one in rows.cases) else NOT_TRUSTED
@@ -112,12 +118,10 @@ def optimise(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>.optimise/")
     ] = None,
-    workers: Annotated[
-        int, typer.Option("--workers", metavar="N", min=0, help="processes", show_default="one a core")
-    ] = 0,
-    cluster: Annotated[str, typer.Option("--cluster", metavar="ADDRESS", help="of a Dask scheduler")] = "",
+    workers: Workers = 0,
+    cluster: Cluster = "",
     plan: Annotated[bool, typer.Option("--plan", help="only print what would be tried, and how long it takes")] = False,
-    no_pictures: Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")] = False,
+    no_pictures: NumbersOnly = False,
     as_json: AsJson = False,
 ) -> int:
     """Find the best design of a study. For two or three goals, those of which none is better in all. Goals, limits, and
@@ -147,17 +151,14 @@ def optimise(
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(search, folder)
-        words = " ".join(["femstruct", *sys.argv[1:]])
         answer = pareto_front if search.also else optimised
-        found = answer(search, folder, workers or None, cluster, tell, words)
+        found = answer(search, folder, workers or None, cluster, tell, as_typed())
         written = write_optimum(found, folder, tell, pictures=not no_pictures)
     if as_json:
         print_json(front_table(found) if isinstance(found, Front) else optimum_table(found))
     else:
         show(answer_pieces(found), console())
-        if moved is not None:
-            print(f"An earlier, different optimisation is kept: its files are now {moved.with_suffix('.*')}")
-        print(f"Written: {', '.join(map(str, written))}")
+        _tell_files("optimisation", moved, written)
     if found.interrupted:
         return INTERRUPTED
     return GOOD if found.feasible else NOT_TRUSTED
@@ -167,6 +168,13 @@ def _show_plan(told: Mapping[str, int | str], as_json: bool) -> int:
     """What would be computed."""
     print_json(dict(told)) if as_json else print("\n".join(f"{words}: {count}" for words, count in told.items()))
     return GOOD
+
+
+def _tell_files(what: str, moved: Path | None, written: Iterable[Path]) -> None:
+    """Which files are written, and where those of an earlier campaign in the same folder are now."""
+    if moved is not None:
+        print(f"An earlier, different {what} is kept: its files are now {moved.with_suffix('.*')}")
+    print(f"Written: {', '.join(map(str, written))}")
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from femstruct.commands.shared import NONE, AsJson, OnlyCase, Sets, Verbose, command
+from femstruct.commands.shared import NONE, AsJson, Near, OnlyCase, Sets, Verbose, command
 from femstruct.commands.study_answers import print_json, progress
 from femstruct.exits import GOOD, NOT_TRUSTED
 
@@ -52,9 +52,7 @@ def identify(
         str, typer.Option("--channel", metavar="NAME", help="recorded channel of it: 'ball on O_f force'")
     ] = "",
     delay: Annotated[bool, typer.Option("--delay", help="also fit the time shift of the measured history")] = False,
-    near: Annotated[
-        str, typer.Option("--near", metavar="PERCENT", help="width of a group of near-equal frequencies, one space")
-    ] = "1 %",
+    near: Near = "1 %",
     length: Annotated[
         str, typer.Option("--length", metavar="UNIT", help="unit of length of universal files that do not state it")
     ] = "m",

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from femstruct.commands.shared import NONE, AsJson, ModelFile, Sets, Verbose, command
+from femstruct.commands.shared import NONE, AsJson, FirstModes, ModelFile, Modes, OutputHere, Sets, Verbose, command
 from femstruct.commands.study_answers import print_json, progress, responses
 from femstruct.exits import GOOD, NOT_TRUSTED
 
@@ -45,10 +45,8 @@ def check(
 @command
 def modes(
     model: ModelFile,
-    count: Annotated[int | None, typer.Option("--count", min=1, help="number of modes")] = None,
-    up_to: Annotated[
-        str, typer.Option("--up-to", metavar="F", help="all modes up to a frequency (default: the first 30)")
-    ] = "",
+    count: Modes = None,
+    up_to: FirstModes = "",
     complex_: Annotated[
         bool, typer.Option("--complex", help="complex modes, with --up-to: where damping makes places move out of step")
     ] = False,
@@ -122,7 +120,7 @@ def frf(
     to: Annotated[
         Literal["csv", "npz", "uff"] | None, typer.Option("--to", metavar="csv|npz|uff", help="write a file")
     ] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder", show_default="here")] = Path(),
+    output: OutputHere = Path(),
     set_: Sets = NONE,
     as_json: AsJson = False,
     verbose: Verbose = False,

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from femstruct.commands.shared import AsJson, Verbose, command
+from femstruct.commands.shared import AsJson, OutputHere, Verbose, WithoutPictures, as_typed, command
 from femstruct.commands.study_answers import on_stderr, print_json, progress, shown, verdict
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
@@ -22,9 +22,7 @@ def report(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: the folder of the results")
     ] = None,
-    no_pictures: Annotated[
-        bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
-    ] = False,
+    no_pictures: WithoutPictures = False,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
@@ -48,7 +46,7 @@ def plot(
     what: Annotated[
         str, typer.Argument(metavar="[WHAT]", help="a picture; without it, those that can be drawn are listed")
     ] = "",
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder", show_default="here")] = Path(),
+    output: OutputHere = Path(),
     as_json: AsJson = False,
     verbose: Annotated[
         bool, typer.Option("-v", "--verbose", help="also list pictures without content, with the reason")
@@ -89,16 +87,12 @@ def compare(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="also write page, tables, pictures there"),
     ] = None,
-    no_pictures: Annotated[
-        bool, typer.Option("--no-pictures", help="numbers, tables and sound alone: half the time")
-    ] = False,
+    no_pictures: WithoutPictures = False,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> int:
     """Print finished runs side by side. Their cases stand as those of one study, beside the baseline of the first run,
     after what differs in the input files and in --set. Nothing is computed anew."""
-    import sys
-
     from femstruct.errors import InputError
     from femstruct.files.atomic import refuse_unwritable
     from femstruct.files.results_file.stored import read_results, results_file
@@ -114,7 +108,7 @@ def compare(
     with progress() as tell:
         tell("reading")
         runs = {name: read_results(results_file(path)) for name, path in zip(names, results, strict=True)}
-        whole = beside(runs, " ".join(["femstruct", *sys.argv[1:]]))
+        whole = beside(runs, as_typed())
         seconds, told = ({}, "") if output is None else write_all(whole, output, tell, not no_pictures, on_stderr)
     if as_json:
         print_json(summary(whole) | {"differences": list(whole.comparison.inputs)})

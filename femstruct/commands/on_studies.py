@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from femstruct.commands.shared import NONE, AsJson, OnlyCase, Sets, StudyFile, Verbose, command
+from femstruct.commands.shared import NONE, AsJson, OnlyCase, Sets, StudyFile, Verbose, WithoutPictures, command
 from femstruct.commands.study_answers import on_stderr, progress, shown, solved, stages, watched
 
 
@@ -19,9 +19,7 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="default: results/<study>/")
     ] = None,
-    no_pictures: Annotated[
-        bool, typer.Option("--no-pictures", help="numbers, tables and sound only, in half the time")
-    ] = False,
+    no_pictures: WithoutPictures = False,
     watch: Annotated[
         bool, typer.Option("--watch", help="run again whenever a file of the study is saved; Ctrl-C ends it")
     ] = False,

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from femstruct.commands.shared import as_typed
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def solved(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> 
     if not with_rooms:
         plan = without_rooms(plan)
     with progress() as tell, positioned(plan):
-        return plan, run_study(plan, tell, " ".join(["femstruct", *sys.argv[1:]]))
+        return plan, run_study(plan, tell, as_typed())
 
 
 def watched(
@@ -73,8 +74,7 @@ def watched(
     code, last = GOOD, None
     try:
         with progress() as told:
-            words = " ".join(["femstruct", *sys.argv[1:]])
-            for one in rounds(study, sets, case, folder, told, command=words, keep=keep):
+            for one in rounds(study, sets, case, folder, told, command=as_typed(), keep=keep):
                 if one.error is not None:
                     code = tell(one.error)
                     said = "Not run: the last results are unchanged"
@@ -144,7 +144,7 @@ def responses(
         tell("modes and frequency responses")
         table, told, positions = frfs_of(model, drives, heard, band, step, kind, sets)
     if to is not None:
-        path = write_frfs(table, positions, to, folder, model, " ".join(["femstruct", *sys.argv[1:]]))
+        path = write_frfs(table, positions, to, folder, model, as_typed())
         written = {"written": [str(path)], "findings": told["findings"]}
         print_json(written) if as_json else show_written(written, verbose)
     else:

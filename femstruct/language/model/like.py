@@ -6,9 +6,7 @@ from typing import Literal
 
 from pydantic import BeforeValidator
 
-from femstruct.errors import shown_as
-from femstruct.language.yaml import Here, read_by, refuse
-from femstruct.language.yaml.tree import near_one
+from femstruct.language.yaml import Here, only, read_by
 from femstruct.model.library.all_entries import library, names_for
 from femstruct.model.library.library_entry import Use
 
@@ -16,15 +14,8 @@ from femstruct.model.library.library_entry import Use
 def entry_for(use: Use, words: str, word: str = "") -> BeforeValidator:
     """Annotation of a text that names an entry; others are refused with the nearest. words : what it is; word : with
     which `femstruct materials` lists such."""
-    known = names_for(use)
-
-    def read(value: object) -> object:
-        if isinstance(value, str) and value in known:
-            return value
-        do = near_one(str(value), known) if value else ""
-        raise refuse(shown_as(value), words, do or f"femstruct materials {word} lists them".replace("  ", " "))
-
-    return read_by(read, Literal.__getitem__(known))
+    known, do = names_for(use), f"femstruct materials {word} lists them".replace("  ", " ")
+    return read_by(only(known, words, do), Literal.__getitem__(known))
 
 
 def told_of(name: str | None) -> str:

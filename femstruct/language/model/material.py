@@ -20,6 +20,7 @@ from femstruct.language.yaml import (
     by_band,
     read_by,
     refuse,
+    so_many,
     word_of,
 )
 from femstruct.model.library.alike import alike
@@ -46,35 +47,11 @@ _LOSS = by_band(
 _ROLLING = "Gyz is the rolling shear of timber, Ey / 2(1 + nuyz) of fibre composites"
 
 
-def _moduli(value: object) -> object:
-    """One modulus, or those along the axes."""
-    if not isinstance(value, list):
-        return _MODULUS.read(value)
-    if len(value) not in (2, 3):
-        raise refuse(
-            f"{len(value)} moduli", "one, two or three", "write one for all directions, [Ex, Ey] or [Ex, Ey, Ez]"
-        )
-    return tuple(_MODULUS.read(one) for one in value)
-
-
-def _shear_moduli(value: object) -> object:
-    if not isinstance(value, list) or len(value) not in (2, 3):
-        got = f"{len(value)} moduli" if isinstance(value, list) else "one modulus"
-        raise refuse(got, "[Gxy, Gyz] or [Gxy, Gyz, Gzx]", _ROLLING)
-    return tuple(_MODULUS.read(one) for one in value)
-
-
-def _ratios(value: object) -> object:
-    """nuxy, or nuxy, nuyz and nuzx."""
-    if not isinstance(value, list):
-        return _RATIO.read(value)
-    if len(value) != 3:
-        raise refuse(
-            f"{len(value)} ratios",
-            "nuxy, or [nuxy, nuyz, nuzx]",
-            "nuij is the contraction along j under stress along i",
-        )
-    return tuple(_RATIO.read(one) for one in value)
+_MODULI_MEANT = "write one for all directions, [Ex, Ey] or [Ex, Ey, Ez]"
+_RATIOS_MEANT = "nuij is the contraction along j under stress along i"
+_moduli = so_many(_MODULUS.read, (2, 3), "one, two or three", _MODULI_MEANT, many="moduli", or_one=True)
+_shear_moduli = so_many(_MODULUS.read, (2, 3), "[Gxy, Gyz] or [Gxy, Gyz, Gzx]", _ROLLING, many="moduli")
+_ratios = so_many(_RATIO.read, (3,), "nuxy, or [nuxy, nuyz, nuzx]", _RATIOS_MEANT, many="ratios", or_one=True)
 
 
 def _losses(value: object, info: ValidationInfo) -> object:

@@ -19,6 +19,7 @@ from femstruct.language.yaml import (
     nearest,
     read_by,
     refuse,
+    so_many,
 )
 from femstruct.model.region import Side
 from femstruct.model.structure import PlaceOn
@@ -54,13 +55,9 @@ def _at(value: object) -> object:
         raise refuse(error.got, "center, [x, y] or [[x, y], [x, y]]", nearest(str(value), get_args(AtWord))) from None
 
 
-def _patch(value: object) -> object:
-    """The radius of a disc, or the two sides of a rectangle."""
-    if isinstance(value, list):
-        if len(value) != 2:
-            raise refuse(shown_as(value), "a radius, or two sides", "write it like 5 mm or [20 mm, 30 mm]")
-        return tuple(LENGTH.read(one) for one in value)
-    return LENGTH.read(value)
+_PATCH_MEANT = "write it like 5 mm or [20 mm, 30 mm]"
+_patch = so_many(LENGTH.read, (2,), "a radius, or two sides", _PATCH_MEANT, or_one=True)
+"""The radius of a disc, or the two sides of a rectangle."""
 
 
 class PointSpec(Spec):

@@ -6,24 +6,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from femstruct.errors import shown_as
 from femstruct.language.parts.part import PartSpec
-from femstruct.language.yaml import MassKg, PointName, Position3, Quantity, read_by, refuse
+from femstruct.language.yaml import MassKg, PointName, Position3, Quantity, read_by, so_many
 from femstruct.parts.inertia import Inertia
 
 INERTIA = Quantity(("inertia",))
-
-
-def _moments(value: object) -> object:
-    """Three moments, or three and three products."""
-    if not isinstance(value, list) or len(value) not in (3, 6):
-        raise refuse(
-            shown_as(value),
-            "[Ixx, Iyy, Izz] or [Ixx, Iyy, Izz, Ixy, Iyz, Izx]",
-            "write it like [2 kg*m^2, 2 kg*m^2, 3 kg*m^2]",
-        )
-    return tuple(INERTIA.read(one) for one in value)
-
+_SIX = "[Ixx, Iyy, Izz] or [Ixx, Iyy, Izz, Ixy, Iyz, Izx]"
+_moments = so_many(INERTIA.read, (3, 6), _SIX, "write it like [2 kg*m^2, 2 kg*m^2, 3 kg*m^2]")
 
 _WRITTEN = Annotated[list[Annotated[float, INERTIA]], Field(min_length=3, max_length=6)]
 

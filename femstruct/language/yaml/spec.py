@@ -265,13 +265,17 @@ def read_by(reader: Callable[..., object], written: Any) -> BeforeValidator:
     return BeforeValidator(reader, json_schema_input_type=written)
 
 
-def only(words: Sequence[str]) -> Callable[[object], object]:
-    """Validator of a field that takes some words; others are refused with the nearest."""
+def only(words: Sequence[str], expected: str = "", do: str = "") -> Callable[[object], object]:
+    """Validator of a field that takes some words; others are refused with the nearest.
+
+    expected : in place of all words. do : what to do where none is near.
+    """
 
     def read(value: object) -> object:
         if isinstance(value, str) and value in words:
             return value
-        raise refuse(shown_as(value), f"one of {', '.join(words)}", near_one(str(value), words) if value else "")
+        near = near_one(str(value), words) if value else ""
+        raise refuse(shown_as(value), expected or f"one of {', '.join(words)}", near or do)
 
     return read
 
@@ -290,6 +294,31 @@ def words_of(words: Sequence[str]) -> BeforeValidator:
 def several(read: Callable[[Any], object]) -> Callable[[object], object]:
     """Reader of one value or a list of them, as a tuple."""
     return lambda value: tuple(read(one) for one in (value if isinstance(value, list) and value else [value]))
+
+
+def so_many(
+    read: Callable[[Any], object],
+    counts: Sequence[int],
+    expected: str,
+    do: str,
+    *,
+    many: str = "",
+    or_one: bool = False,
+) -> Callable[[object], object]:
+    """Reader of a list of one of these numbers of values, as a tuple.
+
+    many : what the values are, to tell how many there were. or_one : whether one may stand without a list.
+    """
+
+    def reader(value: object) -> object:
+        if or_one and not isinstance(value, list):
+            return read(value)
+        if not isinstance(value, list | tuple) or len(value) not in counts:
+            got = f"{len(value)} {many}" if many and isinstance(value, list) else shown_as(value)
+            raise refuse(got, expected, do)
+        return tuple(read(one) for one in value)
+
+    return reader
 
 
 def word_or(words: Mapping[str, object], quantity: Quantity) -> Callable[[object], object]:

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, shown_as
-from femstruct.language.yaml import Count, Here, Measured, Spec, Text, read_by, refuse
+from femstruct.language.yaml import Count, Here, Measured, Spec, Text, read_by, refuse, so_many
 from femstruct.study.campaign.varied import Listed, Sampling, Scattered
 from femstruct.units import QuantityError, quantity_of
 
@@ -29,10 +29,7 @@ def _quantity(value: object) -> object:
         raise refuse(got, "a number with its unit", EXAMPLE) from None
 
 
-def _pair(value: object) -> object:
-    if not (isinstance(value, list | tuple) and len(value) == 2):
-        raise refuse(shown_as(value), "two numbers [from, to]", "write it like [25 GPa, 35 GPa]")
-    return tuple(_quantity(one) for one in value)
+_pair = so_many(_quantity, (2,), "two numbers [from, to]", "write it like [25 GPa, 35 GPa]")
 
 
 def _values(value: object) -> object:
