@@ -211,7 +211,7 @@ def _instead(symbol: str, alone: bool, dimensions: Mapping[str, Dimension]) -> s
     fitting = [name for name, unit in UNITS.items() if unit.exponents in wanted]
     folded = {name.lower(): name for name in (UNITS if not alone else fitting)}
     near = difflib.get_close_matches(symbol.lower(), folded, n=1, cutoff=_NEAR if alone else 1.0)
-    if near:
+    if near and not (symbol.startswith("m") and symbol[1:] in UNITS):  # mHz is meant as neither Hz nor MHz
         return f"did you mean '{folded[near[0]]}'?"
     words = " or ".join(one.words for one in dimensions.values() if one.exponents in {*_KINDS} & {*wanted})
     listed = ", ".join(name for name in fitting if not name.startswith(_TWINS))

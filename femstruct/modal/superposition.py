@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, Integers
+from femstruct.errors import InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.coupled_damping.along_frequency import CoupledModes
 
@@ -21,7 +22,10 @@ _CHUNK: Final = 2**22  # complex numbers held at once: 64 MB
 
 def amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tuple[Integers, Complex]]:
     """Modal coordinates under harmonic modal forces [k]: numbers of some lines and theirs [lines, k], as many at once
-    as memory allows, until all have been."""
+    as memory allows, until all have been.
+
+    Raises InputError for a line at the natural frequency of a mode without damping, where they are infinite.
+    """
     squared, k = basis.omega**2, len(basis.omega)
     if any(np.any(A - np.diag(np.diag(A))) for A in (basis.viscous, basis.hysteretic)):
         yield from CoupledModes(squared, basis.viscous, basis.hysteretic).along(pushed, omega)
@@ -31,7 +35,13 @@ def amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tup
         lines = np.arange(start, min(start + step, len(omega)))
         w = omega[lines, None]
         losses = w * np.diag(basis.viscous) + np.diag(basis.hysteretic)
-        yield lines, np.asarray(pushed / (squared - w**2 + 1j * losses), dtype=np.complex128)
+        dynamic = squared - w**2 + 1j * losses
+        met = np.argwhere((dynamic == 0.0) & (pushed != 0.0))
+        if len(met):
+            got = f"{omega[lines[met[0, 0]]] / (2.0 * np.pi):g} Hz, a natural frequency without damping"
+            do = "give the model a 'damping', or take lines beside it"
+            raise InputError("frf frequency", got=got, expected="a finite response", do=do)
+        yield lines, np.divide(pushed, dynamic, out=np.zeros_like(dynamic), where=dynamic != 0.0)
 
 
 def superposed(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats, tell: Tell = lambda done: None) -> Complex:

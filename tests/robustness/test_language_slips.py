@@ -5,9 +5,11 @@ from __future__ import annotations
 import unicodedata
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from femstruct.errors import InputErrors
+from femstruct.errors import InputError, InputErrors
+from femstruct.impact.result.fatigue import SNLine
 from femstruct.language import read_model_file, read_study
 from femstruct.language.campaigns import read_campaign
 from femstruct.language.searches import read_search
@@ -244,3 +246,29 @@ def test_a_rigid_motion_of_what_is_held_is_refused(tmp_path: Path) -> None:
     plan = read_study(written(tmp_path, study=study))
     with pytest.raises(Exception, match=r"a motion that its 0 rigid-body modes do not contain \(100 %\)"):
         run_study(plan)
+
+
+def test_a_line_at_a_resonance_without_damping_is_refused(tmp_path: Path) -> None:
+    """The first model of many: an oscillator of 10 Hz and a response every hertz. It ended in a traceback."""
+    closed = "structure: {type: oscillator, mass: 1 kg, frequency: 10 Hz}\npoints: {O: {}}\n"
+    asked = (
+        "model: m.yaml\nmodes: {count: 1}\nfrf: {a: {drive: O.z, response: O.z, kind: receptance, band: [9 Hz, 12 Hz], "
+    )
+    with pytest.raises(InputError, match="got 10 Hz, a natural frequency without damping, expected a finite response"):
+        run_study(read_study(written(tmp_path, closed, f"{asked}step: 1 Hz}}}}\n")))
+    beside = run_study(read_study(written(tmp_path, closed, f"{asked}step: 0.75 Hz}}}}\n"))).cases["as given"]
+    omega, natural = 2 * np.pi * beside.frf["a"].frequency_hz, 2 * np.pi * 10.0
+    assert beside.frf["a"].values == pytest.approx(1.0 / (natural**2 - omega**2), rel=1e-12)  # rounding: 1e-15 / 0.05
+
+
+def test_a_small_m_is_no_capital_one() -> None:
+    """MHz is a thousand million times mHz: it is not proposed for it."""
+    with pytest.raises(QuantityError, match=r"unit 'mHz', expected .*; known units of a frequency: Hz, kHz, MHz"):
+        quantity("2 mHz", "frequency")
+    with pytest.raises(QuantityError, match=r"did you mean 'MPa'\?"):
+        quantity("2 Mpa", "pressure")
+
+
+def test_ranges_far_below_a_steep_line_are_endured_for_ever() -> None:
+    """(1 kN / 1 uN)^300 is no number; a warning of numpy was printed."""
+    assert np.isinf(SNLine(1e3, slope=300.0).endured(np.array([1e-6]))).all()

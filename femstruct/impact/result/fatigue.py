@@ -42,7 +42,7 @@ class SNLine:
 
     def endured(self, ranges: Floats) -> Floats:
         """Cycles [n] that ranges [n] are endured; infinite below the cut-off of a category."""
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):
             cycles: Floats = self.at * (self.range / ranges) ** self.slope
             if not self.category:
                 return cycles
