@@ -8,10 +8,11 @@ from pathlib import Path
 
 from femstruct.errors import InputError, InputErrors
 from femstruct.language import read_study
-from femstruct.language.campaigns import refuse_other_cases, steps_of
+from femstruct.language.campaigns import overridden, refuse_other_cases, steps_of
 from femstruct.language.searches import read_search
-from femstruct.language.study.campaign.vary import written
-from femstruct.language.yaml import Mistakes, Tree, read_yaml
+from femstruct.language.study.campaign.optimise import CampaignSpec
+from femstruct.language.study.campaign.vary import varied_of, written
+from femstruct.language.yaml import Here, Mistakes, Tree, read_yaml, validate
 from femstruct.study.campaign.sought import Search
 from femstruct.study.campaign.varied import Listed, Scattered
 from femstruct.study.study import Plan
@@ -24,6 +25,7 @@ def campaigns_of(file: str | Path, overrides: Sequence[str] = ()) -> dict[str, s
     """
     keys, found = read_yaml(file).value, {}
     if keys.get("vary"):
+        _refuse_varied(file, overrides)
         varied = [*keys["vary"]] if isinstance(keys["vary"], dict) else []
         found["femstruct sweep"] = f"varies {', '.join(varied)}"
     if keys.get("optimise"):
@@ -37,6 +39,19 @@ def campaigns_of(file: str | Path, overrides: Sequence[str] = ()) -> dict[str, s
         limits = f"; within the limits of {held}" if held else ""
         found["femstruct optimise"] = f"to {goals} {of} chooses {chosen}{limits}; at most {search.runs} runs"
     return found
+
+
+def _refuse_varied(file: str | Path, overrides: Sequence[str]) -> None:
+    """Raise InputErrors for paths under `vary:` of which the files can have neither the first nor the last value."""
+    mistakes, asked = Mistakes(), tuple(overrides)
+    tree = overridden(file, asked, ("vary",), mistakes)
+    spec = validate(CampaignSpec, {"vary": tree.value["vary"]}, tree, mistakes)
+    for one in varied_of(spec.vary if spec is not None else {}, Here(tree, mistakes)).values():
+        texts = probes(one)
+        told = [_refusal(str(file), asked, "", f"{one.path}={text}") for text in dict.fromkeys((texts[0], texts[-1]))]
+        if all(told):
+            mistakes.note(f"{_place(tree, one)}vary {one.path}, value {texts[0]}: {told[0]}")
+    mistakes.stop_if_any()
 
 
 def with_limits_of_study(search: Search, plan: Plan | None = None) -> Search:
@@ -56,7 +71,7 @@ def refuse_values(search: Search, plan: Plan) -> None:
     mistakes = Mistakes()
     for one in (*search.designs, *search.over):
         texts = probes(one)
-        found = [_refusal(search, f"{one.path}={text}") for text in texts]
+        found = [_refusal(search.file, search.overrides, search.case, f"{one.path}={text}") for text in texts]
         if isinstance(one, Listed) or all(found):
             for text, told in zip(texts, found, strict=True):
                 if told:
@@ -72,7 +87,7 @@ def refused_ends(search: Search) -> dict[str, tuple[str, str]]:
     found = {}
     for one in search.designs:
         for end, text in zip(("lower", "upper"), () if isinstance(one, Listed) else probes(one), strict=False):
-            if why := _refusal(search, f"{one.path}={text}"):
+            if why := _refusal(search.file, search.overrides, search.case, f"{one.path}={text}"):
                 found[one.path] = (end, why)
     return found
 
@@ -101,10 +116,10 @@ def with_place(search: Search, error: InputError) -> InputError:
     return InputErrors((f"{tree.position(steps)}: {error}",))
 
 
-def _refusal(search: Search, change: str) -> str:
-    """Why the files cannot have a value; "" where they can."""
+def _refusal(file: str, overrides: Sequence[str], case: str, change: str) -> str:
+    """Why the files cannot have a value; "" where they can. case : the only one to try, "" for all."""
     try:
-        read_study(search.file, (*search.overrides, change), only=search.case or None, others=not search.case)
+        read_study(file, (*overrides, change), only=case or None, others=not case)
     except InputErrors as errors:
         return errors.errors[0].removeprefix(f"--set {change}: ")
     return ""

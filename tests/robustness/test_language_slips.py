@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from femstruct.campaign.tried import campaigns_of
 from femstruct.errors import InputError, InputErrors
 from femstruct.impact.result.fatigue import SNLine
 from femstruct.language import read_model_file, read_study
@@ -272,3 +273,20 @@ def test_a_small_m_is_no_capital_one() -> None:
 def test_ranges_far_below_a_steep_line_are_endured_for_ever() -> None:
     """(1 kN / 1 uN)^300 is no number; a warning of numpy was printed."""
     assert np.isinf(SNLine(1e3, slope=300.0).endured(np.array([1e-6]))).all()
+
+
+def test_check_tries_what_varies(tmp_path: Path) -> None:
+    """A path or a unit that no sample can have is told by `check`, at its place; one end of a range may be wrong."""
+    for key, value, told in (
+        ("mas", "{values: [10 g, 20 g]}", r":13:8: vary bodies.ball.mas, value 10 g: .*did you mean 'mass'"),
+        (
+            "mass",
+            "{from: 1 mm, to: 2 mm, steps: 3}",
+            r":13:8: vary bodies.ball.mass, .*which is a length, expected a mass",
+        ),
+    ):
+        path = written(tmp_path, study=f"{STUDY}vary: {{bodies.ball.{key}: {value}}}\n")
+        with pytest.raises(InputErrors, match=told):
+            campaigns_of(path)
+    path = written(tmp_path, study=f"{STUDY}vary: {{bodies.ball.mass: {{from: 0 g, to: 20 g, steps: 3}}}}\n")
+    assert campaigns_of(path) == {"femstruct sweep": "varies bodies.ball.mass"}
