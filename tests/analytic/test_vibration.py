@@ -397,7 +397,7 @@ def test_what_is_held_is_not_pushed_and_has_no_motion_of_its_own() -> None:
     assert result.cases["as given"].vibration["a"].answers["foot.z acceleration"].rms == 0.0
     drawn = figures(result)
     assert [name for name in drawn if "foot" in name] == ["vibration_a_foot.z_acceleration.png"]
-    (table,) = (sheet for sheet in sheets(result) if sheet.name == "vibration")
+    (table,) = (sheet for sheet in sheets(result) if sheet.name == "vibration answers")
     assert [row[2] for row in table.rows] == ["foot.z acceleration", "tip.z acceleration"]
     held = fs.Vibration("a", fs.Spot("foot", "z"), "point", "psd", white)
     with pytest.raises(InputError, match=r"'foot.z', which no mode moves"):

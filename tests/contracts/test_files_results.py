@@ -1,6 +1,7 @@
 """What every results file promises: units, descriptions, checksums, named axes, a way back, nothing half."""
 
 import importlib
+import json
 import re
 import runpy
 from collections.abc import Mapping
@@ -374,3 +375,11 @@ def test_rated_rooms_keep_their_numbers(standard, blows):
     kept = []
     again = restored(stored(room, lambda array: kept.append(array) or len(kept) - 1), kept.__getitem__)
     assert_same(dict(room.numbers), dict(again.numbers))
+
+
+@pytest.mark.parametrize("number", [1.0 + 2.0j, complex("nan"), complex(1.0, float("inf"))])
+def test_complex_numbers_that_are_none_are_kept(number):
+    """A frequency response that is not known at a line, alone and in a small array."""
+    told = stored({"one": number, "some": np.array([number, 0.5j])}, lambda array: None)
+    again = restored(json.loads(json.dumps(told, allow_nan=False)) and told, lambda place: None)
+    assert np.array_equal([again["one"], *again["some"]], [number, number, 0.5j], equal_nan=True)

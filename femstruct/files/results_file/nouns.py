@@ -90,7 +90,7 @@ def stored(value: object, keep: Keep) -> Stored:
         if isinstance(one, Enum):
             return {"enum": [_name(type(one)), one.name]}
         if isinstance(one, complex):
-            return {"complex": [one.real, one.imag]}
+            return {"complex": [table(one.real), table(one.imag)]}
         if callable(one):
             return {"function": _name(one) if hasattr(one, "__qualname__") else _name(type(one))}
         raise FemstructError("results", got=f"a {type(one).__qualname__}", expected="nouns, numbers, texts, arrays")
@@ -228,7 +228,7 @@ _READ: Final[Mapping[str, Callable[[Any, Callable[[Any], Any]], Any]]] = Mapping
         "frozenset": lambda told, value: frozenset(value(item) for item in told),
         "rows": _rows,
         "enum": lambda told, value: _class(told[0])[told[1]],  # type: ignore[index]
-        "complex": lambda told, value: complex(*told),
+        "complex": lambda told, value: complex(*map(value, told)),
         "function": _function,
     }
 )
