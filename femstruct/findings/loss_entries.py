@@ -1,12 +1,42 @@
-"""Findings on loss factors: by frequency, unused, counted twice."""
+"""Findings on damping: none at all, loss factors by frequency, unused, counted twice."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from femstruct.findings.entry import CHOSEN, LIMITS, Entry, Limit
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, Entry, Limit
+
+_UNDAMPED: Final = Limit(
+    5e-5,
+    "damping ratio",
+    "a loss factor of 1e-4: metals alone have 1e-4 or more, structures more",
+    CHOSEN,
+    "loss_tables.UNDAMPED",
+)
 
 LOSSES: Final = (
+    Entry(
+        "no-damping",
+        "Peaks of the frequency response are infinite or have no meaning, because modes in the band have no damping.",
+        FORBIDS,
+        "the damping ratio of a mode in the band is below the threshold",
+        "Give the model a 'damping'. With 'damping: {from: materials}', give the materials a 'loss_factor'.",
+        (_UNDAMPED,),
+    ),
+    Entry(
+        "undamped",
+        "The structure has no damping, so what is simulated goes on without decay.",
+        LIMITS,
+        "in a simulation of a structure of parts, damping ratios of modes are below the first threshold, and the "
+        "lowest such mode has more periods in the window than the second",
+        "Give the model a 'damping'. Loss factors of materials are used only with 'damping: {from: materials}'. The "
+        "first impact holds without damping; what follows it, its spectra and levels do not.",
+        (
+            _UNDAMPED,
+            Limit(10.0, "periods", "with a ratio of 1 % the motion has halved by then", CHOSEN, "undamped.PERIODS"),
+        ),
+        forbids="no mode has damping, and a room with one-way coupling is under the structure",
+    ),
     Entry(
         "loss-beyond-table",
         "The loss factor is given by frequency, and modes lie outside of that.",

@@ -198,13 +198,6 @@ MODES: Final = (
         "Ask for more modes, or remove this mode from the damping of the model.",
     ),
     Entry(
-        "no-damping",
-        "Peaks of the frequency response are infinite, because modes in the band have no damping.",
-        FORBIDS,
-        "a mode in the band has the damping ratio 0",
-        "Give the model a 'damping'. With 'damping: {from: materials}', give the materials a 'loss_factor'.",
-    ),
-    Entry(
         "peak-between-lines",
         "The lines of a frequency response are too far apart for its highest peak.",
         LIMITS,

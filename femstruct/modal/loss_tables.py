@@ -13,6 +13,7 @@ BEYOND = 2.0**0.5  # ratio of frequencies from which on a mode is outside a tabl
 STRAINED = 0.01  # of a mode's elastic energy: parts with less hardly damp it
 UNUSED = 0.1  # of a mode's loss factor: what is left out by more changes levels at resonance by half a decibel
 UNUSED_LEAST = 1e-4  # loss factor that no mode notices
+UNDAMPED = 5e-5  # damping ratio: a loss factor of 1e-4, which metals have by themselves and no built structure has
 
 
 def material_losses(basis: ModalBasis) -> Floats:

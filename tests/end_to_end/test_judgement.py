@@ -223,3 +223,41 @@ def test_a_change_that_hangs_on_residual_vectors_is_told(tmp_path: Path) -> None
     (grid,) = [grid for grid in study_tables(result) if grid.title.startswith("peaks")]
     assert "? : do not quote" in grid.title
     assert [row[2].endswith(" % ?") for row in grid.rows] == [True, False]
+
+
+def undamped(folder: Path, damping: str, changes: str = "", window: str = "0.1 s") -> dict[str, Any] | None:
+    """What `check` says of a plate without damping that is struck and, in a room, heard."""
+    path = plate(folder, "100 mm", damping=damping)
+    text = path.read_text(encoding="utf-8").replace("rho: 7850", "rho: 7850, loss_factor: 2 %")
+    path.write_text(text + "surfaces: {below: {on: p, side: below}}\n", encoding="utf-8")
+    hit = STUDY.replace("1 kHz", "500 Hz").replace("5 ms", window) + changes
+    (folder / "hit.study.yaml").write_text(hit, encoding="utf-8")
+    told = [one for one in inspect_file(folder / "hit.study.yaml").table()["findings"] if one["code"] == "undamped"]
+    return told[0] if told else None
+
+
+ROOM = "rooms: {box: {size: [0.6, 0.4, 0.3], under: below, receivers: {mic: [0.1, 0.1, 0.1]}%s}}\n"
+
+
+def test_a_simulation_without_damping_says_so(tmp_path: Path) -> None:
+    """No word on damping: exit 0 and levels of a plate that never came to rest. Modes of this plate begin at 110.9 Hz:
+    0.1 s has 11 periods."""
+    told = undamped(tmp_path, "{ratio: 0}")
+    assert told is not None and not told["severe"]
+    assert "Loss factors of materials (of p) are used only with 'damping: {from: materials}'" in told["message"]
+    assert told["values"]["first_hz"] == pytest.approx(110.9, rel=1e-3)  # four digits; the mesh: 1e-4
+    for damping in ("{ratio: 0.1 %}", "{from: materials}", "{modes: {1: {ratio: 1 %, near: 110 Hz}}}"):
+        first = undamped(tmp_path, damping)
+        assert first is None or first["values"]["first_hz"] > 200.0, damping
+    assert undamped(tmp_path, "{ratio: 3.3e-7}") is not None  # practically none
+    assert undamped(tmp_path, "{ratio: 0}", window="50 ms") is None  # 6 periods: the impact itself
+
+
+def test_levels_in_a_room_under_a_structure_without_damping_forbid_trust(tmp_path: Path) -> None:
+    """With air that reacts on the plate, the air damps it; one undamped mode of several limits trust."""
+    (told,) = (one for one in [undamped(tmp_path, "{ratio: 0}", ROOM % "")] if one)
+    assert told["severe"] and "Levels in box are too high" in told["message"]
+    (air,) = (one for one in [undamped(tmp_path, "{ratio: 0}", ROOM % ", coupling: two-way")] if one)
+    (some,) = (one for one in [undamped(tmp_path, "{modes: {1: {ratio: 1 %, near: 110 Hz}}}", ROOM % "")] if one)
+    assert not air["severe"] and not some["severe"]
+    assert femstruct("check", tmp_path / "hit.study.yaml").returncode == 0

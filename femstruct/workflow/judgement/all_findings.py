@@ -15,6 +15,7 @@ from femstruct.workflow.judgement.structure_findings import (
     structure_findings_before,
 )
 from femstruct.workflow.judgement.study_findings import study_findings
+from femstruct.workflow.judgement.undamped import undamped_motion
 from femstruct.workflow.stages.modal_bases import Meshed, Solved
 from femstruct.workflow.stages.responses import undamped_findings
 from femstruct.workflow.stages.vibrations import beyond_modes
@@ -42,6 +43,7 @@ def all_findings(
     return ranked(
         (
             *structure_findings(solved, basis, studies, up_to_hz),
+            *undamped_motion(studies, basis),
             *(finding for request in requests for finding in undamped_findings(basis, request)),
             *(finding for study in studies[:1] for one in study.vibration for finding in beyond_modes(one, basis)),
         )

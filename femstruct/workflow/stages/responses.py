@@ -12,6 +12,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.frf import frf, frf_unit, moves
+from femstruct.modal.loss_tables import UNDAMPED
 from femstruct.modal.steady.between_lines import Highest, highest, missed_peak
 from femstruct.modal.superposition import Complex
 from femstruct.model.probe import Probe
@@ -73,26 +74,32 @@ def lines_of(request: FrfRequest) -> Floats:
 
 
 def undamped_findings(basis: ModalBasis, request: FrfRequest) -> tuple[Finding, ...]:
-    """A frequency response whose peaks are no numbers: modes without damping in its band.
+    """A frequency response whose peaks are no numbers: modes with no damping to speak of in its band.
 
-    Severe: at such a mode the response is infinite, and a peak is as high as a line happens to be near.
+    Severe: at such a mode the response is infinite or nearly so, and a peak is as high as a line happens to be near.
     """
     low, high = request.band
     ratio, hz = basis.damping_ratio, basis.frequency_hz
     true = np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
-    bare = np.flatnonzero(true & (ratio == 0.0) & (hz >= low) & (hz <= high))
+    bare = np.flatnonzero(true & (ratio < UNDAMPED) & (hz >= low) & (hz <= high))
     if not len(bare):
         return ()
     first = float(hz[bare[0]])
     name = f"frf.{request.name}" if request.name else f"{request.response} / {request.drive}"
     modes = "1 mode" if len(bare) == 1 else f"{len(bare)} modes"
+    most = float(ratio[bare].max())
+    lacks, high_as = (
+        ("without damping", "infinite")
+        if most == 0.0
+        else (f"with a damping ratio of at most {100 * most:.2g} %", "without meaning")
+    )
     return (
         Finding(
             "no-damping",
-            f"{name}: {modes} between {low:g} and {high:g} Hz, the first at {first:.4g} Hz, without damping: "
-            f"peaks there are infinite, and their drawn height depends only on the step of {request.step:g} Hz. "
+            f"{name}: {modes} between {low:g} and {high:g} Hz, the first at {first:.4g} Hz, {lacks}: "
+            f"peaks there are {high_as}, and their drawn height depends only on the step of {request.step:g} Hz. "
             "Give the model a 'damping'",
-            {"modes": len(bare), "first_hz": first, "damping_ratio": 0.0, "step_hz": request.step},
+            {"modes": len(bare), "first_hz": first, "damping_ratio": most, "step_hz": request.step},
             severe=True,
         ),
     )
