@@ -57,6 +57,9 @@ MISTAKES = {
     "missing point": (STUDY, "above: O_f", "above: O_g", "O_g", r"bodies\.ball\.above: .*the name of a point, body"),
     "missing end": (STUDY, "between: [ball, O_f]", "between: [bal, O_f]", "bal,",
         r"contacts\.ball on floor\.between\[0\]: got 'bal'.*did you mean 'ball'\?"),
+    "body without contact": (STUDY, "between: [ball, O_f]", "between: [O_s, O_f]", "{mass: 54 g,",
+        r"bodies\.ball: got a body that moves towards 'O_f', without a contact: it would pass through, expected a law "
+        r"between it and what it strikes; add 'contact: .*or name it in 'contacts' or 'links'"),
     "missing surface": (STUDY, "under: ceiling", "under: celing", "celing", r"rooms\.box\.under: .*'ceiling'\?"),
     "unknown record": (STUDY, "O_s.z: velocity", "O_t.z: velocity", "O_t.z",
         r"record\.O_t\.z: got 'O_t\.z', expected a direction of a point"),

@@ -174,6 +174,15 @@ class BodySpec(Spec):
             do,
         )
 
+    def check_strikes(self, here: Here, joined: bool) -> None:
+        """Note one that moves towards a place and would pass through it; joined : whether a contact or link names it."""
+        here.need(
+            joined or self.contact is not None or not self.start_speed,
+            f"a body that moves towards '{self.target}', without a contact: it would pass through",
+            "a law between it and what it strikes",
+            "add 'contact: {type: hertz, stiffness: 1 MN/m^1.5}', or name it in 'contacts' or 'links'",
+        )
+
     def build(self, name: str, law: Law | None) -> PlacedBody:
         """The body it describes; law : of its own contact, None where there is none."""
         blows, dropped = self.blows.noun() if self.blows is not None else None, self.drop_height is not None

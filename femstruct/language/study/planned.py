@@ -46,6 +46,8 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     sizes = array_sizes(study.bodies, here.names)
     ends = [*study.bodies, *bodies_of(sizes), "ground"]
     struck = [name for name, body in study.bodies.items() if body.blows is not None]
+    between = {end for one in (*study.contacts.values(), *study.links.values()) for end in one.between}
+    misspelt = not between <= {*here.names.points, *here.names.places, *ends}  # one mistake is one message
     for name, body in study.bodies.items():
         own = [name, *members(name, sizes.get(name, 1))]
         laws = [one.law for one in study.contacts.values() if name in one.between]
@@ -57,6 +59,7 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             laws,
             any(room.receivers and getattr(room, body.side, None) is not None for room in study.rooms.values()),
         )
+        body.check_strikes(here.at("bodies", name), misspelt or not between.isdisjoint(own))
         here.at("bodies", name, "covering").need(
             body.covering is None or any(room.standards for room in study.rooms.values()),
             "a covering, and no room whose levels are rated",
