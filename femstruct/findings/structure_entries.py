@@ -126,6 +126,16 @@ STRUCTURE: Final = (
         "Add a support, layer or spring, or write 'gravity: false'.",
     ),
     Entry(
+        "nothing-holds-it",
+        "Nothing holds the part up, and a room hears it move as a whole.",
+        LIMITS,
+        "a piece of the structure can move along its weight, has a surface of a closed room, and is simulated without "
+        "gravity; not in the half space, where free plates are tested",
+        "Add 'supports', a layer or springs. A floor that is free on purpose, as one hung on soft cords, may stay so: "
+        "its levels contain its motion as a whole.",
+        forbids="the room is rated ('levels')",
+    ),
+    Entry(
         "edge-only-turned",
         "The springs or walls of an edge only resist its rotation, and nothing holds the part along its normal.",
         FORBIDS,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -287,3 +288,30 @@ def test_refused_with_all_lines_at_once(tmp_path: Path) -> None:
     with pytest.raises(InputErrors) as refused:
         read_model_file(tmp_path / "slab.yaml")
     assert len(refused.value.errors) == 2
+
+
+@pytest.mark.parametrize(
+    ("supports", "room", "severe"),
+    [
+        ("", "levels: [ISO 16283-2]", [True]),
+        ("", "coupling: one-way", [False]),
+        (WALLS, "levels: [ISO 16283-2]", []),
+        ("supports:\n  walls: {on: slab, edge: all, stiffness: {z: 5 MN/m^2}}\n", "coupling: one-way", []),
+    ],
+    ids=["rated", "heard", "held", "on springs, free in its plane"],
+)
+def test_a_floor_that_nothing_holds_is_said_where_a_room_hears_it(
+    tmp_path: Path, supports: str, room: str, severe: list[bool]
+) -> None:
+    """Without gravity a forgotten support gave a rating, and exit 0."""
+    study = files(tmp_path, WALLS, supports)
+    model = tmp_path / "slab.yaml"
+    model.write_text(f"{model.read_text(encoding='utf-8')}surfaces: {{under: {{on: slab, side: below}}}}\n", "utf-8")
+    heard = "receivers: {a: [1, 1, 1.2], b: [2, 3, 1.5], c: [4, 1, 1], d: [4, 3, 1.3]}, losses: {t60: 0.5 s}"
+    rooms = f"rooms: {{bed: {{size: [5, 4, 2.5], under: under, {heard}, {room}}}}}\n"
+    ball = "{source: rubber ball, above: middle}"
+    text = re.sub(r"\{ball: .*\}", f"{{ball: {ball}}}", STUDY).replace("gravity: true", "gravity: false")
+    study.write_text(text + rooms, encoding="utf-8")
+    found = told(before(study), "nothing-holds-it")
+    assert [one.severe for one in found] == severe
+    assert all("holds its 8640 kg, and it moves the air of bed" in one.message for one in found)

@@ -175,7 +175,7 @@ class BodySpec(Spec):
         )
 
     def check_strikes(self, here: Here, joined: bool) -> None:
-        """Note one that moves towards a place and would pass through it; joined : whether a contact or link names it."""
+        """Note one that would pass through the place it moves to; joined : whether a contact or link names it."""
         here.need(
             joined or self.contact is not None or not self.start_speed,
             f"a body that moves towards '{self.target}', without a contact: it would pass through",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.language.model.model import ModelSpec
@@ -46,8 +46,6 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     sizes = array_sizes(study.bodies, here.names)
     ends = [*study.bodies, *bodies_of(sizes), "ground"]
     struck = [name for name, body in study.bodies.items() if body.blows is not None]
-    between = {end for one in (*study.contacts.values(), *study.links.values()) for end in one.between}
-    misspelt = not between <= {*here.names.points, *here.names.places, *ends}  # one mistake is one message
     for name, body in study.bodies.items():
         own = [name, *members(name, sizes.get(name, 1))]
         laws = [one.law for one in study.contacts.values() if name in one.between]
@@ -59,7 +57,6 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             laws,
             any(room.receivers and getattr(room, body.side, None) is not None for room in study.rooms.values()),
         )
-        body.check_strikes(here.at("bodies", name), misspelt or not between.isdisjoint(own))
         here.at("bodies", name, "covering").need(
             body.covering is None or any(room.standards for room in study.rooms.values()),
             "a covering, and no room whose levels are rated",
@@ -73,6 +70,7 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     for name, link in study.links.items():
         link.check_tuned(here.at("links", name), study.bodies)
     check_contacts(here, study.contacts, study.bodies)
+    _check_strikes(study, here, sizes, ends)
     counts = drop_counts(study.bodies, here.names)
     for name in list(counts)[1:]:
         here.at("bodies", name, "above").wrong(
@@ -109,6 +107,15 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     here.need(study.time is not None or not moving, "no time", "how long to simulate", do)
     if study.compare is not None and study.cases:
         here.at("compare", "baseline").known(study.compare.baseline, "case", study.cases)
+
+
+def _check_strikes(study: StudySpec, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
+    """Note bodies that would pass through what they move to; a misspelt end of a contact is one mistake, not two."""
+    between = {end for one in (*study.contacts.values(), *study.links.values()) for end in one.between}
+    if between <= {*here.names.points, *here.names.places, *ends}:
+        for name, body in study.bodies.items():
+            own = [name, *members(name, sizes.get(name, 1))]
+            body.check_strikes(here.at("bodies", name), not between.isdisjoint(own))
 
 
 def _check_records(study: StudySpec, here: Here, ends: Collection[str]) -> bool:

@@ -34,6 +34,7 @@ from femstruct.parts.plausibility import material_findings, plausibility_finding
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
 from femstruct.workflow.judgement.cavity_crossings import cavity_findings
+from femstruct.workflow.judgement.unheld import unheld_findings
 from femstruct.workflow.stages.hung import hanger_findings
 from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.rest import planned_contacts, weighs
@@ -95,6 +96,7 @@ def structure_findings_before(
         found += overhang_findings(model)
         found += twice_findings(structure)
         found += arrangement_findings(model, _joined(model, studies), any(weighs(study) for study in studies))
+        found += unheld_findings(model, _joined(model, studies), studies)
         found += eccentric_findings(model)
         found += arched_findings(model)
         found += wide_rib_findings(model)
