@@ -13,10 +13,10 @@ _MINDLIN: Final = "estimated as of a Mindlin plate, doi:10.1115/1.4010217"
 MODES: Final = (
     Entry(
         "wide-ribs",
-        "Ribs that are fastened along lines are wide beside the plate between them.",
+        "Ribs are wide compared with their spacing, and the plate is fastened to them along lines.",
         REMARK,
-        "a plate between ribs is so much narrower than between their lines that its frequencies are too low by more "
-        "than the threshold, if the ribs do not turn",
+        "the clear span of the plate between ribs is shorter than the distance of their lines, so that frequencies of "
+        "the plate there are too low by more than the threshold if the ribs do not turn: 1 - (clear span / distance)^2",
         "Nothing, where the ribs bend with the plate, as in the first modes of a floor. Where modes of the plate "
         "between ribs count, use plates or solids for ribs.",
         (Limit(0.05, "of a frequency", "the bound; ribs that turn leave a third of it", _STRIPS, "wide_ribs.NOTABLE"),),

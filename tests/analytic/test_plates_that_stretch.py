@@ -244,6 +244,21 @@ def test_the_width_of_a_joist_is_missed_between_joists_and_a_finding_says_so() -
     assert not wide_rib_findings(fs.mesh_structure(rib_plate(0.1)))  # 10 mm of 800
 
 
+@pytest.mark.parametrize("first", [0.0, 0.0225, 0.3], ids=["at the edge", "flush with it", "half a strip inside"])
+def test_ribs_at_an_edge_take_no_more_of_the_plate_than_others(first: float) -> None:
+    """Joists 45 mm wide every 600 mm leave a clear span of 555 mm, wherever the first lies: (555 / 600)^2, 14.4 % low.
+    One at the edge counted with its whole width in half a strip: 28 %."""
+    board = replace(sheet("board", 0.022, (0, 0, 0), (4.8, 2.0), 0.2), material=CHIPBOARD)
+    lines = tuple(((0.0, y, 0.0), (4.8, y, 0.0)) for y in (first, first + 0.6, first + 1.2))
+    down = (0.0, 0.0, -0.121)
+    joists = fs.Frame("rib", TIMBER, rectangle("r", 0.045, 0.22), lines, start_offset=down, end_offset=down)
+    structure = fs.Structure("floor", (board, joists), (fs.Joint("screws", "rib", "board"),))
+    (told,) = wide_rib_findings(fs.mesh_structure(structure))
+    assert told.values["strip_m"] == pytest.approx(0.6, rel=1e-9)  # rounding
+    assert told.values["frequency_too_low"] == pytest.approx(1.0 - (0.555 / 0.6) ** 2, rel=1e-9)
+    assert "lines 600 mm apart, and board bends over 555 mm between them" in told.message
+
+
 def test_a_finer_mesh_changes_little() -> None:
     """No false stiffness grows: rotations of a rib tied to the plate gave 40.9 and 46.5 Hz at 50 and 25 mm."""
     usual, fine = (elastic_hz(rib_plate(mesh), 12)[:6] for mesh in (0.05, 0.025))

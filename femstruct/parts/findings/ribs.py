@@ -117,15 +117,21 @@ def rib_lines(plate: Face, joint: Joint, model: Model) -> list[RibLine]:
     return lines
 
 
-def strip_width(plate: Face, line: RibLine, others: list[RibLine]) -> float:
-    """Width of the plate that belongs to a rib: half way to the next ones beside it, or to the edges [m]."""
+def edges_across(plate: Face, line: RibLine) -> tuple[float, float]:
+    """Where the plate begins and ends across a rib [m], as `RibLine.across` counts."""
     corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * np.asarray(plate.size)
     edges = line.along[0] * corners[:, 1] - line.along[1] * corners[:, 0]
+    return float(edges.min()), float(edges.max())
+
+
+def strip_width(plate: Face, line: RibLine, others: list[RibLine]) -> float:
+    """Width of the plate that belongs to a rib: half way to the next ones beside it, or to the edges [m]."""
+    low, high = edges_across(plate, line)
     beside = [other.across for other in others if abs(other.along @ line.along) > 1.0 - 1e-6]
-    tiny = 1e-6 * float(np.ptp(edges))
+    tiny = 1e-6 * (high - low)
     below = [(line.across + one) / 2.0 for one in beside if one < line.across - tiny]
     above = [(line.across + one) / 2.0 for one in beside if one > line.across + tiny]
-    return float(min(above, default=edges.max()) - max(below, default=edges.min()))
+    return min(above, default=high) - max(below, default=low)
 
 
 def percent(share: float) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from femstruct.errors import Finding
 from femstruct.model.model import Model
-from femstruct.parts.findings.ribs import Face, RibLine, percent, rib_lines, stretching_faces, strip_width
+from femstruct.parts.findings.ribs import Face, RibLine, edges_across, percent, rib_lines, stretching_faces
 from femstruct.parts.of_frames.frame_mesh import frames_of
 
 NOTABLE = 0.05  # of a frequency, by the bound
@@ -24,21 +24,35 @@ def wide_rib_findings(model: Model) -> tuple[Finding, ...]:
     for plate in stretching_faces(model) if frames_of(model) else ():
         lines = [line for joint in model.structure.joints for line in rib_lines(plate, joint, model)]
         for line in lines:
-            wide, strip = width_on(plate, line), strip_width(plate, line, lines)
+            wide, span = _between(plate, line, lines)
             key = (line.frame.name, plate.name)
-            if wide < strip and wide / strip > np.divide(*worst.get(key, (0.0, 1.0))):
-                worst[key] = wide, strip
+            if wide < span and wide / span > np.divide(*worst.get(key, (0.0, 1.0))):
+                worst[key] = wide, span
     return tuple(
         Finding(
             "wide-ribs",
-            f"{frame} on {plate}: ribs {1e3 * wide:.3g} mm wide are fastened along lines, and each has "
-            f"{1e3 * strip:.3g} mm of {plate}. Modes in which {plate} bends between ribs are up to {percent(low)} too "
-            "low, if the ribs do not turn. Modes in which the ribs bend with it are right",
-            {"width_m": wide, "strip_m": strip, "frequency_too_low": low},
+            f"{frame} on {plate}: ribs {1e3 * wide:.3g} mm wide are fastened along lines {1e3 * span:.3g} mm apart, "
+            f"and {plate} bends over {1e3 * (span - wide):.3g} mm between them. Modes in which it bends between ribs "
+            f"are up to {percent(low)} too low, if the ribs do not turn. Modes in which the ribs bend too are right",
+            {"width_m": wide, "strip_m": span, "frequency_too_low": low},
         )
-        for (frame, plate), (wide, strip) in worst.items()
-        if (low := 1.0 - (1.0 - wide / strip) ** 2) > NOTABLE
+        for (frame, plate), (wide, span) in worst.items()
+        if (low := 1.0 - (1.0 - wide / span) ** 2) > NOTABLE
     )
+
+
+def _between(plate: Face, line: RibLine, lines: list[RibLine]) -> tuple[float, float]:
+    """What ribs cover of the span to the nearest line beside this one, and that span [m]; of a rib alone, both for a
+    line as far away as twice its farther edge, half of the rib to each side."""
+    wide = width_on(plate, line)
+    beside = [other for other in lines if abs(other.along @ line.along) > 1.0 - 1e-6]
+    low, high = edges_across(plate, line)
+    apart = [(abs(other.across - line.across), other) for other in beside]
+    apart = [(span, other) for span, other in apart if span > 1e-6 * (high - low)]
+    if not apart:
+        return wide, 2.0 * max(high - line.across, line.across - low)
+    span, other = min(apart, key=lambda one: one[0])
+    return (wide + width_on(plate, other)) / 2.0, span
 
 
 def width_on(plate: Face, line: RibLine) -> float:
