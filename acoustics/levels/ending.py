@@ -12,6 +12,7 @@ from acoustics.arrays import Floats
 from acoustics.levels.bands import THIRD_EDGE, Fraction, band_edges
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.continuation import extended, fast_length
+from acoustics.rooms.room_advice import advice_below
 
 OFF_DB: Final = 0.2  # that what is left out beyond a band may change its level
 LOUDER_DB: Final = 10.0  # that a third octave beyond may be above those of the band
@@ -38,6 +39,7 @@ def ended(response: RoomResponse, complete_below_hz: float) -> RoomResponse:
     return replace(
         response,
         p=_low_passed(response.p, response.dt, complete_below_hz),
+        findings=advice_below(response.findings, complete_below_hz),
         complete_below_hz=min(complete_below_hz, response.complete_below_hz),
     )
 

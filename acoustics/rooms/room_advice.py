@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 import numpy as np
@@ -16,9 +16,11 @@ from acoustics.source import SurfaceVelocity
 # Of the source's highest frequency. Measured by leaving out samples of shipped studies, a bang machine and two balls on
 # a floor. At 30, 15, 7.5, 4 and 2 samples the worst of them misses 6e-5, 2e-3, 2e-3, 7e-3 and 7e-2 of the pressure's
 # peak, 0.0001, 0.0015, 0.016, 0.11 and 0.6 dB of the A-weighted Fast level, 0.001, 0.006, 0.05, 0.2 and 2 dB of a third
-# octave. From 10 on a level of one decimal is right
-SAMPLES_PER_PERIOD: Final = 10.0
+# octave
 MISSED_AT, MISSED_DB = np.array([2.0, 4.0, 7.5, 15.0, 30.0]), np.array([2.0, 0.2, 0.05, 0.006, 0.001])
+COARSELY_SAMPLED: Final = "surface-coarsely-sampled"
+ALLOWED_DB: Final = 0.1  # of a third octave: levels are quoted to one decimal
+ADVISED: Final = 7.5  # samples a period
 TRUNCATED: Final = 1e-3
 DECAYED: Final = 1e-3
 COARSE: Final = 0.05
@@ -27,19 +29,7 @@ T60_MISSED: Final = 0.10  # of a reverberation time; .4 dB of the standardised l
 
 def source_advice(surface: SurfaceVelocity, room: Box, orders: Integers, highest_hz: float) -> tuple[Advice, ...]:
     """Advice on the sampling, the start, the decay and the spacing of the surface's velocity."""
-    found = []
-    sampling_hz = 1 / surface.dt
-    if highest_hz * SAMPLES_PER_PERIOD > sampling_hz:
-        found.append(
-            Advice(
-                "surface-coarsely-sampled",
-                f"the surface moves up to {highest_hz:.0f} Hz and is sampled at {sampling_hz:.0f} Hz, "
-                f"{sampling_hz / highest_hz:.1f} samples a period: a third octave there misses about "
-                f"{third_octave_missed_db(sampling_hz / highest_hz):.1g} dB. Sampling at "
-                f"{SAMPLES_PER_PERIOD * highest_hz:.0f} Hz leaves 0.03 dB",
-                {"source_highest_hz": highest_hz, "sampling_hz": sampling_hz},
-            )
-        )
+    found = list(sampling_advice(highest_hz, 1 / surface.dt))
     every = max(1, surface.rates.shape[1] // 4096)  # a ratio to the peak needs no more samples
     seen = surface.rates[:, ::every]
     size = np.sqrt(np.einsum("kt,kt->t", seen, _gram(surface) @ seen))
@@ -77,6 +67,33 @@ def source_advice(surface: SurfaceVelocity, room: Box, orders: Integers, highest
             )
         )
     return tuple(found)
+
+
+def sampling_advice(highest_hz: float, sampling_hz: float) -> tuple[Advice, ...]:
+    """Advice where samples are too few for the highest frequency [Hz] that is heard of a surface."""
+    missed, there = third_octave_missed_db(sampling_hz / highest_hz) if highest_hz > 0.0 else 0.0, ADVISED * highest_hz
+    if missed <= ALLOWED_DB:
+        return ()
+    return (
+        Advice(
+            COARSELY_SAMPLED,
+            f"the surface moves up to {highest_hz:.0f} Hz and is sampled at {sampling_hz:.0f} Hz, "
+            f"{sampling_hz / highest_hz:.1f} samples a period: a third octave there misses about {missed:.1g} dB. "
+            f"Sampling at {there:.0f} Hz leaves {third_octave_missed_db(ADVISED):.1g} dB",
+            {"source_highest_hz": highest_hz, "sampling_hz": sampling_hz, "missed_db": missed, "needed_hz": there},
+        ),
+    )
+
+
+def advice_below(findings: Iterable[Advice], complete_below_hz: float) -> tuple[Advice, ...]:
+    """The same for sound that ends at a frequency [Hz]: samples need not carry what is above it."""
+    kept: list[Advice] = []
+    for one in findings:
+        if one.code == COARSELY_SAMPLED and complete_below_hz < one.values["source_highest_hz"]:
+            kept += sampling_advice(complete_below_hz, one.values["sampling_hz"])
+        else:
+            kept.append(one)
+    return tuple(kept)
 
 
 def third_octave_missed_db(samples: float) -> float:

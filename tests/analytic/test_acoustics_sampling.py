@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from acoustics import AcousticsError, Receiver, Room, SurfaceVelocity, losses_from_t60, pressure, sound_levels
+from acoustics.levels.ending import ended
+from acoustics.room_response import RoomResponse
 from acoustics.rooms.box_pressure import pressures
+from acoustics.rooms.room_advice import sampling_advice, third_octave_missed_db
 
 ROOM = Room([3.0, 2.0, 2.5], losses=losses_from_t60(0.4))
 HERE = [Receiver("mic", [0.8, 0.7, 1.2])]
@@ -61,3 +64,24 @@ def test_several_motions_of_one_ceiling_are_heard_as_each_alone() -> None:
         pressures([moving[0], other], ROOM, HERE)
     with pytest.raises(AcousticsError, match="surfaces: got none"):
         pressures([], ROOM, HERE)
+
+
+def test_advice_on_samples_gains_something_and_is_not_given_for_less_than_a_tenth() -> None:
+    """9.4 samples a period: "misses about 0.02 dB. Sampling at 8480 Hz leaves 0.03 dB"."""
+    assert not sampling_advice(848.0, 9.4 * 848.0) and not sampling_advice(0.0, 8e3)
+    (told,) = sampling_advice(1000.0, 4000.0)
+    assert told.values["missed_db"] == pytest.approx(0.2, rel=1e-9)  # the measured table, at 4 samples
+    left = third_octave_missed_db(told.values["needed_hz"] / 1000.0)
+    assert left < told.values["missed_db"] and f"leaves {left:.1g} dB" in told.message
+    assert not sampling_advice(1000.0, told.values["needed_hz"])
+
+
+def test_sound_that_ends_at_the_last_mode_needs_no_samples_for_more() -> None:
+    """A surface up to 1204 Hz, sampled at 6 kHz, and modes up to 300 Hz: no band beyond them is shown."""
+    advice = sampling_advice(1204.0, 6000.0)
+    assert advice and advice[0].values["source_highest_hz"] == 1204.0
+    heard = RoomResponse(tuple(HERE), np.arange(600) / 6e3, np.zeros((1, 600)), advice)
+    assert ended(heard, 1500.0).findings == advice
+    assert ended(heard, 300.0).findings == ()
+    (less,) = ended(heard, 1150.0).findings  # 5.2 samples a period of it
+    assert less.values["source_highest_hz"] == 1150.0
