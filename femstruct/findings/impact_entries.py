@@ -63,14 +63,16 @@ IMPACT: Final = (
         "contact-closed-at-end",
         "A contact is still closed when the window ends.",
         LIMITS,
-        "the window ends before the last contact opens",
+        "the window ends while a contact is closed; not where bodies have come to rest on their contacts under gravity",
         "Simulate longer.",
     ),
     Entry(
         "contact-unresolved",
         "The peak force of a contact has a numerical error that is too large.",
         LIMITS,
-        "the estimated error of a peak force is too large, or a contact is too short for the event resolution",
+        "the estimated error of a peak force is above the first threshold, or above the second where 'accuracy' is "
+        "asked "
+        "for; or a contact is shorter than the last threshold and the energy balance does not close ('energy-drift')",
         "Shorten the window, or study the scatter of many runs. In Python, give 'Clock' a smaller tolerance.",
         (
             Limit(1e-3, "of the peak force", "figures are quoted to three digits", CHOSEN, "unresolved.UNRESOLVED"),
@@ -79,14 +81,14 @@ IMPACT: Final = (
             ),
             Limit(
                 0.1,
-                "of the accuracy asked for, if less",
-                "the rest is for the modes",
+                "of 'accuracy: within', where that is less",
+                "the rest of the accuracy is for the modes",
                 CHOSEN,
                 "unresolved.ASKED",
             ),
             Limit(
                 100.0,
-                "event resolutions, shortest contact",
+                "event resolutions (shortest time steps) in the shortest contact",
                 "peaks are then right to 1e-3",
                 "(pi / n)^2 / 2, and 3.3 / n^2.5 of Hertz",
                 "contact_findings.TICKS_PER_CONTACT",
@@ -126,7 +128,7 @@ IMPACT: Final = (
             Limit(
                 0.05,
                 "of restitution",
-                "so below a restitution of 0.79",
+                "it is missed by more than this where less than 0.79 is asked for",
                 "doi:10.1115/1.2912617, integrated",
                 "impact.laws.law.RESTITUTION_MISSED",
             ),
@@ -162,8 +164,11 @@ IMPACT: Final = (
         "motion-coarsely-sampled",
         "The motion is sampled too coarsely for what vibrates in it.",
         LIMITS,
-        "the last mode has fewer samples in a period than needed, a history misses its peak, or modes above half the "
-        "sampling have a share of an acceleration",
+        "of histories and sound: the last mode has fewer samples in a period than the first threshold, a history "
+        "misses "
+        "its peak by more than the fourth, or modes above half the sampling have more than the fifth of an "
+        "acceleration. "
+        "Of peaks: the finer grid on which they are found has fewer samples than the second",
         "Sample faster. Peaks and limits are found on a finer grid and hold; histories, spectra and sound have the "
         "samples of the study.",
         (
@@ -176,14 +181,14 @@ IMPACT: Final = (
             ),
             Limit(
                 16.0,
-                "samples in a period of what vibrates fastest",
-                "with fewer, peaks are found on a finer grid; with more they are at most 1.9 % low",
+                "samples in a period of the last mode or pulse, on the finer grid for peaks",
+                "with fewer, peaks are more than 1.9 % low",
                 "(pi / 16)^2 / 2",
                 "closer.ENOUGH",
             ),
             Limit(
                 8.0,
-                "samples in a period of a pulse on the finer grid",
+                "samples in a period of a pulse, on the finer grid for peaks",
                 "with fewer, peaks may be more than 8 % low",
                 "(pi / 8)^2 / 2",
                 "coarse_sampling.FEW",
@@ -221,7 +226,7 @@ IMPACT: Final = (
         "lifted-in-contact",
         "The body is lifted for the next blow while its contact is closed.",
         LIMITS,
-        "a contact carries a force when the body is lifted",
+        "a contact carries a force when the body is lifted; not where the body lies still and the force is its weight",
         "Increase 'every'.",
     ),
     Entry(

@@ -19,8 +19,10 @@ LEVELS: Final = (
         "rating-beyond-modes",
         "Rated bands are blank, because the modes end below them.",
         LIMITS,
-        "the filter of a rated band passes what lies above the last mode of the floor or of the room: up to 1.25 times "
-        "the centre of a third octave, 1.76 times that of an octave; 10 dB more beyond change the level by 0.2 dB",
+        "the filter of a rated band passes frequencies above the last mode of the floor or of the room. Filters pass "
+        "up "
+        "to 1.25 times the centre of a third octave, 1.76 times that of an octave: what lies above and is 10 dB louder "
+        "than the band changes its level by 0.2 dB",
         "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower bounds ('at least').",
     ),
     Entry(
@@ -43,19 +45,21 @@ LEVELS: Final = (
         "statistical-bands",
         "Rated bands beyond the modes are from statistical energies.",
         LIMITS,
-        "the floor is one bare plate, and the upper edge of a rated band lies above its last mode",
+        "the floor is one bare plate, and the filter of a rated band passes frequencies above its last mode: up to "
+        "1.25 "
+        "times the centre of a third octave, 1.76 times that of an octave",
         "Give 'modes: {up_to: F}' where a single floor matters; 'beyond_modes: blank' leaves these bands blank.",
         (
             Limit(
                 1.0,
-                "modes in a band from which on it is stated",
+                "modes in a band: with fewer the band is blank",
                 "with fewer its level is that of one mode beside it, or of none",
                 CHOSEN,
                 "statistical_bands.FEWEST",
             ),
             Limit(
                 4.0,
-                "modes in a band from which on it follows the statistics",
+                "modes in a band: with fewer its level scatters more than the statistics state",
                 "ensembles of floors have the statistical mean from there on",
                 "tests/analytic/test_statistical_levels.py",
                 "statistical_bands.MANY",
@@ -98,7 +102,9 @@ LEVELS: Final = (
         "rating-of-other-blows",
         "The source is not the one that the standard rates.",
         LIMITS,
-        "something else strikes than one source of the standard",
+        "not exactly one standard source strikes (one ball, or one tapping machine with five hammers), or other "
+        "bodies, "
+        "loads or walkers act besides",
         "Use the standard source, or another standard. Single numbers are withheld.",
     ),
     Entry(
@@ -155,11 +161,16 @@ LEVELS: Final = (
         "source-off-standard",
         "The standard source has other forces on this floor than on the rigid floor of its standard.",
         LIMITS,
-        "force exposure, restitution or contact time is outside the tolerances of the standard",
+        "on this floor the force exposure in an octave, the restitution or the contact time of a dropped source is "
+        "outside "
+        "the tolerances that the standard has on a rigid floor",
         "Nothing, if the floor is soft. On a stiff floor check the sampling and the contact law.",
         (
             Limit(1.0, "dB, octave at 31.5 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
-            Limit(2.0, "dB, octave at 500 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+            Limit(1.5, "dB, octaves at 63 and 125 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+            Limit(2.0, "dB, octaves at 250 and 500 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+            Limit(0.1, "of restitution, from 0.8", "tolerance of the standard", "ISO 16283-2 annex A", ""),
+            Limit(0.002, "s of contact time, from 0.02 s", "tolerance of the standard", "ISO 16283-2 annex A", ""),
         ),
     ),
     Entry(
@@ -178,7 +189,8 @@ LEVELS: Final = (
         "hammers-rebound",
         "The levels of a tapping machine depend on how far its hammers rebound, which no standard fixes.",
         LIMITS,
-        "a tapping machine strikes; the message states the possible error in dB",
+        "a tapping machine strikes, always: the message states in dB how far levels would be lower or higher with a "
+        "restitution of 0 and of 1, between which real machines are reported to lie",
         "Quote the range with the level. Source: Acta Acustica 9, 14 (2025).",
     ),
     Entry(

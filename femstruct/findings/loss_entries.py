@@ -41,14 +41,14 @@ LOSSES: Final = (
         "loss-beyond-table",
         "The loss factor is given by frequency, and modes lie outside of that.",
         LIMITS,
-        "a mode that strains the part lies below the lowest or above the highest frequency of the table by more than "
-        "the threshold",
+        "a mode that strains the part lies above the highest frequency of the table times the threshold, or below the "
+        "lowest divided by it",
         "Give loss factors for all bands of the study, or accept the value of the nearest frequency.",
         (
             Limit(
                 2.0**0.5,
-                "times the lowest or highest frequency",
-                "half an octave, half a band",
+                "ratio to the highest or lowest frequency",
+                "half an octave",
                 CHOSEN,
                 "loss_tables.BEYOND",
             ),
@@ -61,10 +61,16 @@ LOSSES: Final = (
         "loss-unused",
         "Springs along edges or a foundation have a loss factor, and the damping is one law for the whole structure.",
         LIMITS,
-        "by strain energy a loss factor that is not used would add more than this to that of a mode",
+        "by strain energy, the loss factor that is not used would raise that of a mode by more than both thresholds",
         "Write damping: {from: materials} and a loss factor for each material, or remove the one that is not used.",
         (
-            Limit(0.1, "of the mode's loss factor", "0.4 dB at resonance", CHOSEN, "loss_tables.UNUSED"),
+            Limit(
+                0.1,
+                "of the mode's loss factor",
+                "0.8 dB at a resonance, 0.4 dB in a band",
+                "20 lg 1.1, 10 lg 1.1",
+                "loss_tables.UNUSED",
+            ),
             Limit(1e-4, "loss factor", "no mode notices it", CHOSEN, "loss_tables.UNUSED_LEAST"),
         ),
     ),
@@ -80,7 +86,7 @@ LOSSES: Final = (
             Limit(
                 0.1,
                 "loss factor",
-                "the sum of modes of a strip lost 0.6 dB in third octaves at 0.23, 1.5 dB at 0.36",
+                "third octaves of a strip were 0.6 dB off at a loss factor of 0.23, and 1.5 dB at 0.36",
                 "tests/analytic/test_edge_walls.py",
                 "edge_walls.STRONG",
             ),
@@ -93,8 +99,8 @@ LOSSES: Final = (
         "a loss factor is that of a laboratory or from reverberation times, and at the edges of the part are springs "
         "with losses or walls, or other plates are joined to it; or the air of a two-way room takes more than the "
         "threshold",
-        "Give the part the internal loss factor of its material, 0.5 to 1 % for concrete, or leave out of the model "
-        "what the total holds: it is no sum that can be taken apart.",
+        "Give the part the internal loss factor of its material (0.5 to 1 % for concrete), or keep the total one and "
+        "remove the losses at the edges from the model. A total cannot be divided into its parts.",
         (
             Limit(
                 0.05,
@@ -107,9 +113,10 @@ LOSSES: Final = (
     ),
     Entry(
         "laboratory-too-heavy",
-        "A plate is heavier than the loss factor of a laboratory is for.",
+        "A plate is too heavy for the formula of its loss factor in a laboratory.",
         LIMITS,
-        "m' / (485 sqrt f) of ISO 12354-1 is used for more than the threshold",
+        "'ISO 12354-1 laboratory', internal loss factor + m' / (485 sqrt f), is used for a mass per "
+        "area m' above the threshold",
         "Use measured reverberation times, or the internal loss factor with edges that are modelled.",
         (Limit(800.0, "kg/m^2", "the range of the formula", "ISO 12354-1, annex C", "total_losses.HEAVIEST"),),
     ),

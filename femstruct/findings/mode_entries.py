@@ -38,7 +38,8 @@ MODES: Final = (
             Limit(
                 8.0,
                 "cells a bending wavelength of shells",
-                "frequencies of linear cells are 2.6 % too high along their sides and 1.7 % too low aslant",
+                "frequencies of linear cells are 2.6 % too high along their sides and 1.7 % too low along their "
+                "diagonals",
                 "tests/analytic/test_elements_shells.py",
                 "shell_waves.CELLS",
             ),
@@ -101,7 +102,8 @@ MODES: Final = (
         "layers-shear",
         "The plate is made of layers with much shear at the highest frequency, and plates have no shear.",
         LIMITS,
-        "shear would be more than the threshold share of the deflection over half a bending wave",
+        "in a bending wave of the highest frequency, shear would make up more than the threshold share of the "
+        "deflection",
         "Use 'type: slab' or 'shell', whose elements shear, or ask for modes up to the stated frequency only.",
         (
             Limit(
@@ -124,15 +126,21 @@ MODES: Final = (
     ),
     Entry(
         "layers-lose-in-shear",
-        "The layers have another loss factor in transverse shear than in bending, which their modes have.",
+        "The layers have other loss factors in transverse shear and in bending, and modes have only that of bending.",
         LIMITS,
-        "with 'damping: {from: materials}' the two loss factors differ by more than both thresholds",
+        "the two loss factors at 100 Hz differ by more than both thresholds",
         "Give the part a loss factor of its own by 'smeared', or take solids for the layers.",
         (
             Limit(
                 0.01, "difference of the loss factors", "damping is rarely known better", CHOSEN, "layer_losses.APART"
             ),
-            Limit(1.5, "ratio of the loss factors", "2 dB at a resonance", CHOSEN, "layer_losses.TIMES"),
+            Limit(
+                1.5,
+                "ratio of the loss factors",
+                "3.5 dB at a resonance, 1.8 dB in a band, if all is shear",
+                "20 lg 1.5, 10 lg 1.5",
+                "layer_losses.TIMES",
+            ),
         ),
     ),
     Entry(
@@ -153,7 +161,8 @@ MODES: Final = (
             Limit(
                 10.0,
                 "thicknesses, bending wavelength",
-                "shear lowers frequencies by more than 3 %",
+                "shear shortens waves of a frequency by about 3 %, and lowers a mode of this wavelength by more "
+                "than 5 %",
                 "Mindlin plate, tests/analytic/test_shear_left_out.py",
                 "waves.SLENDER",
             ),
@@ -188,7 +197,15 @@ MODES: Final = (
         LIMITS,
         "no mode of the case reaches the MAC below with a baseline mode that has damping of its own",
         "Give the case its own 'damping'.",
-        (Limit(0.5, "MAC", "below, the shapes are more different than similar", CHOSEN, "damping._MIN_MAC"),),
+        (
+            Limit(
+                0.5,
+                "MAC (likeness of two shapes, 0 to 1)",
+                "below, the shapes are more different than similar",
+                CHOSEN,
+                "damping._MIN_MAC",
+            ),
+        ),
     ),
     Entry(
         "mode-damping-unused",
@@ -207,7 +224,8 @@ MODES: Final = (
             Limit(
                 0.05,
                 "of the largest value",
-                "an oscillator whose nearest line is a sixth of its half-power bandwidth away is shown so low",
+                "the peak of an oscillator is 5 % too low where its nearest line is a sixth of its half-power "
+                "bandwidth away",
                 CHOSEN,
                 "between_lines.MISSED",
             ),
@@ -247,8 +265,8 @@ MODES: Final = (
         "damage-not-converged",
         "Damage of fatigue rests on a peak that changes with the modes left out or with the mesh.",
         LIMITS,
-        "what is counted has the finding peak-not-converged or stress-uneven, or without residual vectors its largest "
-        "range differs by more than the threshold, or its damage by what that makes of it",
+        "what is counted has the finding peak-not-converged or stress-uneven; or without residual vectors its largest "
+        "range R differs by more than the threshold, or its damage, which goes as R^slope, by more than 1 - 0.95^slope",
         "Do not quote the damage. Compute more modes, and a finer mesh where the stress is uneven. The low-pass of "
         "'peaks' filters peaks, not what is counted.",
         (Limit(0.05, "% of the largest range", "with a slope of 3, 14 % of the damage", CHOSEN, "peaks.CONVERGED"),),
@@ -263,7 +281,7 @@ MODES: Final = (
             Limit(
                 0.2,
                 "% of the damage",
-                "it is so much low for peaks far apart, slope 5",
+                "Dirlik's damage is too low by up to this, for a spectrum with peaks far apart and a slope of 5",
                 "tests/analytic/test_fatigue.py",
                 "vibrations.DIRLIK_LOW",
             ),

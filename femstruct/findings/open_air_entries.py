@@ -66,8 +66,8 @@ OPEN_AIR: Final = (
             Limit(
                 0.1,
                 "% of the losses",
-                "amplitudes decay 5 % faster",
-                "sqrt(1 + 0.1)",
+                "amplitudes would decay 10 % faster, and levels be 0.4 dB lower in a band",
+                "rates of decay go as the loss factor; 10 lg 1.1",
                 "femstruct.sound.power.LOSSES_ALLOWED",
             ),
         ),

@@ -41,13 +41,14 @@ SOURCES: Final = (
         "covering-in-ratings",
         "The rated levels include the measured reduction of a covering; all else is of the bare floor.",
         LIMITS,
-        "a tapping machine has a 'covering'",
+        "a tapping machine has a 'covering', always; a study whose floor does not fit the reduction is refused by the "
+        "threshold",
         "Quote the rated levels; sound files, L_AFmax and histories are louder by what the covering takes off. To "
         "compute them with the covering, give it as a contact law or as a layer of the model.",
         (
             Limit(
                 1.0,
-                "dB of the hammers' force that a heavy floor takes at most",
+                "dB less force of the hammers than on a rigid floor: up to it a floor is heavy, beyond it light",
                 "a reduction is a ratio of forces on a floor of far lower mobility than a hammer",
                 CHOSEN,
                 "covered.HEAVY_DB",

@@ -11,7 +11,7 @@ from femstruct.model.materials.loss_by_frequency import LossByFrequency, loss_at
 
 BEYOND = 2.0**0.5  # ratio of frequencies from which on a mode is outside a table: half an octave, half a band
 STRAINED = 0.01  # of a mode's elastic energy: parts with less hardly damp it
-UNUSED = 0.1  # of a mode's loss factor: what is left out by more changes levels at resonance by half a decibel
+UNUSED = 0.1  # of a mode's loss factor: what is left out by more changes a resonance by 0.8 dB, a band by 0.4 dB
 UNUSED_LEAST = 1e-4  # loss factor that no mode notices
 UNDAMPED = 5e-5  # damping ratio: a loss factor of 1e-4, which metals have by themselves and no built structure has
 

@@ -13,7 +13,7 @@ from femstruct.model.material import Material
 from femstruct.model.materials.lay_up import section_of
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
-from femstruct.parts.findings.waves import bending_wavelength, mesh_findings, with_shear
+from femstruct.parts.findings.waves import SLENDER, bending_wavelength, mesh_findings, with_shear
 
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
 MODEL = """
@@ -45,6 +45,23 @@ def test_shear_shortens_waves_and_crowds_modes(h: float, frequency_hz: float) ->
     up, down = (mindlin(omega * (1 + sign * step), h) ** 2 for sign in (1, -1))
     # central difference of 1e-4: 2e-10 here
     assert denser == pytest.approx((up - down) / (2 * step * omega) / thin, rel=2e-8)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.2, 0.4])
+def test_what_shear_takes_where_a_plate_begins_to_be_thick(nu: float) -> None:
+    """The numbers of the catalogue at SLENDER: of the wave of one frequency, and of the frequency of one wavelength.
+    Mindlin's two equations, as above."""
+    h, k = 0.1, 2.0 * np.pi / (SLENDER * 0.1)
+    shear, bending, mass = 5 / 6 * 30e9 / 2 / (1 + nu) * h, 30e9 * h**3 / 12 / (1 - nu**2), 2400.0 * h
+    thin = k**2 * np.sqrt(bending / mass)
+
+    def determinant(k: float, omega: float) -> float:
+        rotation = bending * k**2 + shear - mass * h**2 / 12 * omega**2
+        return (shear * k**2 - mass * omega**2) * rotation - (shear * k) ** 2
+
+    lower = 1.0 - brentq(lambda omega: determinant(k, omega), 0.5 * thin, thin) / thin
+    shorter = 1.0 - k / brentq(lambda k: determinant(k, thin), k, 2.0 * k)
+    assert 0.025 < shorter < 0.04 and 0.05 < lower < 0.075  # "3 %" and "5 %": 2.7 to 3.9, 5.1 to 7.2
 
 
 def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:

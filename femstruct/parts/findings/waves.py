@@ -18,7 +18,9 @@ from femstruct.parts.of_plates.plate_mesh import PlateMesh, plates_of
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
 NO_WAVE = 2.0  # cells a wave below which it is none any more: modes there are those of the mesh
-SLENDER = 10.0  # bending wavelength over thickness below which shear takes more than about 3 % off a frequency
+SLENDER = (
+    10.0  # bending wavelength over thickness below which shear takes more than 3 % off a wavelength, 5 % off a mode
+)
 SHEARED, GROSSLY_SHEARED = 0.1, 1.0 / 6.0
 """Share of shear in the deflection over half a bending wave of layers: without it frequencies are 5, 10 % too high."""
 DIRECTIONS = np.radians(np.arange(0.0, 180.0, 15.0))
