@@ -20,7 +20,7 @@ def explanation(entry: Entry) -> str:
       The structure sags far under its own weight.
     <BLANKLINE>
       raised when    a part sags by more than the threshold share of the size of the
-                     structure
+                     structure; in studies without gravity, too
       threshold      10 % of the size: springs are not built so soft (source: engineering
                      judgement)
       what to do     Check the units of springs, layers and moduli, unless they are soft on

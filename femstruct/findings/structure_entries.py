@@ -284,7 +284,7 @@ STRUCTURE: Final = (
         "sags-far",
         "The structure sags far under its own weight.",
         LIMITS,
-        "a part sags by more than the threshold share of the size of the structure",
+        "a part sags by more than the threshold share of the size of the structure; in studies without gravity, too",
         "Check the units of springs, layers and moduli, unless they are soft on purpose.",
         (Limit(0.1, "% of the size", "springs are not built so soft", CHOSEN, "structure_findings.FAR"),),
     ),

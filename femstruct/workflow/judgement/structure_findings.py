@@ -57,7 +57,7 @@ def structure_findings(
         (
             *structure_findings_before(solved.structure, solved.model, studies),
             *structure_findings_after(solved.model, basis, studies, up_to_hz),
-            *(_far_sags(solved) if not studies or any(weighs(study) for study in studies) else ()),
+            *_far_sags(solved),
         )
     )
 
@@ -232,7 +232,7 @@ def _overdamped(basis: ModalBasis) -> list[Finding]:
 
 
 def _far_sags(solved: Solved) -> list[Finding]:
-    """A finding where springs sag by more than is meant."""
+    """A finding where springs sag by more than is meant; without gravity, too: their stiffness is as wrong then."""
     under_weight, model = solved.under_weight, solved.model
     if not under_weight or model is None:
         return []
@@ -244,7 +244,7 @@ def _far_sags(solved: Solved) -> list[Finding]:
     return [
         Finding(
             "sags-far",
-            f"{worst.part} sags by {worst.sag:.4g} m under the total weight; the size of the structure is "
+            f"{worst.part} sags by {worst.sag:.4g} m under its weight; the size of the structure is "
             f"{size:.4g} m. "
             "Check the units of springs, layers and moduli, unless they are soft on purpose",
             {"sag_m": worst.sag, "size_m": size},
