@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+import femstruct as fs
 from femstruct.language import read_model_file
 from femstruct.model.material import Material
 from femstruct.model.materials.lay_up import section_of
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
-from femstruct.parts.findings.waves import SLENDER, bending_wavelength, mesh_findings, with_shear
+from femstruct.parts.findings.waves import SLENDER, bending_wavelength, cell_for, mesh_findings, with_shear
 
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
 MODEL = """
@@ -78,3 +80,19 @@ def test_a_thick_slab_is_told_with_its_numbers(tmp_path: Path) -> None:
     assert "modal density is too low by a factor of 1.96, and levels of a blow by up to 2.9 dB" in told.message
     # ten thicknesses to a wave: 100 / 0.14 ... lambda goes as 1 / sqrt(f)
     assert not [found for found in mesh_findings(model, 3150.0 * (0.384) ** 2) if found.code == "thick-for-short-waves"]
+
+
+@pytest.mark.parametrize("kind", ["plate", "slab"])
+def test_the_cell_that_is_advised_is_just_enough(kind: str) -> None:
+    """20 x 20 cells a little smaller and a little larger than the cell for 2 kHz."""
+    for share in (0.999, 1.001):
+        one = fs.Plate("p", CONCRETE, 0.14, (0.0, 0.0, 0.0), (1.0, 1.0), (2, 2))
+        slab = fs.Slab("p", CONCRETE, 0.14, ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)), mesh=0.5)
+        cell = cell_for(one if kind == "plate" else slab, 2000.0)
+        assert cell is not None
+        side = 20 * share * cell
+        corners = ((0.0, 0.0), (side, 0.0), (side, side), (0.0, side))
+        part = replace(one, size=(side, side), mesh=(20, 20)) if kind == "plate" else replace(slab, outline=corners,
+                       mesh=1.0001 * share * cell)  # fmt: skip
+        codes = {found.code for found in mesh_findings(mesh_structure(Structure("s", (part,))), 2000.0)}
+        assert ("coarse-mesh" in codes) is (share > 1.0), (share, codes)

@@ -137,4 +137,9 @@ def test_check_says_beforehand_what_stays_blank(tmp_path: Path) -> None:
     assert ["bedroom (few)" in found[0].message, "bedroom (hardly any)" in found[1].message] == [True, True]
     assert "250 to 630 Hz are blank" in found[0].message and "at least" in found[0].message
     assert "up_to: 790 Hz" in found[0].message
+    (plate,) = read_study(study(tmp_path)).cases[0].study.structure.parts
+    wave = (plate.material.E * plate.thickness**2 / (12 * (1 - plate.material.nu**2) * plate.material.rho)) ** 0.25
+    wave *= (2 * np.pi / 790.0) ** 0.5  # 2 pi (D / m omega^2)^(1/4)
+    assert found[0].values["cell_m"] == pytest.approx(wave / 6.0, rel=1e-9)  # six cells a wave
+    assert f"cells of {1e3 * wave / 6.0:.3g} mm or less" in found[0].message
     assert "no single number" in found[1].message

@@ -49,16 +49,22 @@ def carried_by_cells_hz(shell: ShellMesh) -> float:
 
 def bending_wavelengths(shell: ShellMesh, frequency_hz: float, shear: bool = True) -> Floats:
     """Lengths of free bending waves in each cell [q + t] [m], the shorter of those along the two axes of the cell, with
-    transverse shear or without; infinite without mass.
+    transverse shear or without; infinite without mass."""
+    of = shell.sections
+    return wavelengths(of.D, of.As, of.m0, frequency_hz, shear)
+
+
+def wavelengths(D: Floats, As: Floats, m0: Floats, frequency_hz: float, shear: bool = True) -> Floats:
+    """The same of sections: D [n, 3, 3] [N m], As [n, 2, 2] [N/m], m0 [n] [kg/m^2].
 
     Notes
     -----
     k^2 = omega^2 a / 2 + sqrt(omega^4 a^2 / 4 + omega^2 m0 / D) with a = m0 / As; rotary inertia is left out.
     """
-    of, omega = shell.sections, 2.0 * np.pi * frequency_hz
-    D = np.minimum(of.D[:, 0, 0], of.D[:, 1, 1])
-    a = of.m0 / np.minimum(of.As[:, 0, 0], of.As[:, 1, 1]) if shear else np.zeros_like(D)
-    squared = omega**2 * a / 2.0 + np.sqrt(omega**4 * a**2 / 4.0 + omega**2 * of.m0 / D)
+    omega = 2.0 * np.pi * frequency_hz
+    D = np.minimum(D[:, 0, 0], D[:, 1, 1])
+    a = m0 / np.minimum(As[:, 0, 0], As[:, 1, 1]) if shear else np.zeros_like(D)
+    squared = omega**2 * a / 2.0 + np.sqrt(omega**4 * a**2 / 4.0 + omega**2 * m0 / D)
     with np.errstate(divide="ignore"):
         lengths: Floats = 2.0 * np.pi / np.sqrt(squared)
     return lengths

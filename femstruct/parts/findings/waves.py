@@ -8,13 +8,17 @@ from femstruct.arrays import Floats
 from femstruct.elements import laminate
 from femstruct.errors import Finding
 from femstruct.model.material import Material
+from femstruct.model.materials.lay_up import section_of
 from femstruct.model.materials.plate_section import PlateSection
 from femstruct.model.model import Model
+from femstruct.model.part import Part
 from femstruct.parts.findings.frame_waves import frame_waves
-from femstruct.parts.findings.shell_waves import carried_by_cells_hz, shell_mesh_findings, shells_of
+from femstruct.parts.findings.shell_waves import CELLS, carried_by_cells_hz, shell_mesh_findings, shells_of, wavelengths
 from femstruct.parts.findings.solid_waves import carried_by_solid_hz, solid_mesh_findings, solids_of
 from femstruct.parts.of_frames.frame_mesh import FrameMesh, frames_of
 from femstruct.parts.of_plates.plate_mesh import PlateMesh, plates_of
+from femstruct.parts.plate import Plate
+from femstruct.parts.slab import Slab
 
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
 NO_WAVE = 2.0  # cells a wave below which it is none any more: modes there are those of the mesh
@@ -150,9 +154,23 @@ def carried_hz(model: Model) -> float:
 def bending_wavelength(plate: PlateMesh, frequency_hz: float) -> float:
     """Length of a free bending wave of a thin plate [m]: 2 pi (D / m0 omega^2)^(1/4), the shortest of all directions;
     infinite without mass."""
-    section = plate.part.section
+    return _thin_wavelength(plate.part.section, isinstance(plate.part.material, Material), frequency_hz)
+
+
+def cell_for(part: Part, frequency_hz: float) -> float | None:
+    """Largest cell [m] of a plate or slab that its bending waves of a frequency allow; None of other parts."""
+    if not isinstance(part, Plate | Slab):
+        return None
+    section = section_of(part.material, part.thickness)
+    if isinstance(part, Plate):
+        return _thin_wavelength(section, isinstance(part.material, Material), frequency_hz) / CELLS_PER_WAVE
+    D, As, m0 = section.D[None], section.As[None], np.array([section.m0])
+    return float(wavelengths(D, As, m0, frequency_hz)[0]) / CELLS
+
+
+def _thin_wavelength(section: PlateSection, isotropic: bool, frequency_hz: float) -> float:
     if section.m0 == 0.0:
         return np.inf
-    softest = section.D[0, 0] if isinstance(plate.part.material, Material) else _by_direction(section)[0].min()
+    softest = section.D[0, 0] if isotropic else _by_direction(section)[0].min()
     omega = 2.0 * np.pi * frequency_hz
     return float(2.0 * np.pi * (softest / (section.m0 * omega**2)) ** 0.25)

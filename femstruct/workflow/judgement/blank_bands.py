@@ -11,6 +11,8 @@ from acoustics.levels.bands import octave_bands, third_octave_bands
 from acoustics.levels.ending import filtered
 from acoustics.levels.methods import Method
 from femstruct.errors import Finding
+from femstruct.model.structure import Structure
+from femstruct.parts.findings.waves import cell_for
 from femstruct.study.asked import RoomPlan
 from femstruct.study.study import Case, Study
 from femstruct.workflow.continuation.statistical_rooms import fillable, statistical_plate
@@ -40,20 +42,34 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
     all_of_them = len(blank) == len(method.bands_hz)
     numbers = "there is no single number" if all_of_them else "single numbers are lower bounds ('at least')"
     whose = "floor" if complete_below_hz <= plan.complete_below_hz else "room"
+    up_to = 10 * ceil(method.passed_hz / 10)
+    cell = _cell(plan, study, up_to) if whose == "floor" else None
+    mesh = "" if cell is None else f", and cells of {1e3 * cell:.3g} mm or less, which such modes need"
     return (
         Finding(
             "rating-beyond-modes",
             f"the filters of the rated {method.bands}s pass what is below {method.passed_hz:.0f} Hz, the modes of the "
             f"{whose} end at {end:.0f} Hz: {told} blank{f', and {numbers}' if method.numbers else ''}. Give the "
-            f"{whose} 'modes: {{up_to: {10 * ceil(method.passed_hz / 10)} Hz}}'{instead}",
+            f"{whose} 'modes: {{up_to: {up_to} Hz}}'{mesh}{instead}",
             {
                 "highest_hz": method.passed_hz,
                 "complete_below_hz": end,
                 "blank_bands": len(blank),
                 "first_blank_hz": blank[0],
+                **({} if cell is None else {"cell_m": cell}),
             },
         ),
     )
+
+
+def _cell(plan: RoomPlan, study: Study, up_to_hz: float) -> float | None:
+    """Largest cell [m] of the plate above a room for modes up to a frequency; None of other parts."""
+    structure = study.structure
+    if not isinstance(structure, Structure):
+        return None
+    on = {surface.name: surface.on for surface in structure.surfaces}.get(plan.under)
+    part = next((one for one in structure.parts if one.name == on), None)
+    return None if part is None else cell_for(part, up_to_hz)
 
 
 def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
