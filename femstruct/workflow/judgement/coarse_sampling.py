@@ -14,6 +14,7 @@ from femstruct.study.result import Channel
 from femstruct.study.study import Study
 from femstruct.units import readable
 
+HEARD = 10.0  # samples in a period of the last mode that are advised where sound is computed from them
 FEW = 8.0  # samples in a period of a pulse, 4 in its half sine, below which peaks are 8 % low: (pi / 8)^2 / 2
 PEAK_MISSED = 0.05  # of a recorded peak, by which the samples of its history may miss it
 
@@ -41,23 +42,22 @@ def coarse_sampling(study: Study, last_hz: float, modes: int) -> Iterator[Findin
             severe=True,
         )
         return
-    if time.sampling < FOLDED * last_hz and study.records:
-        yield Finding(
-            "motion-coarsely-sampled",
-            f"At the sampling of {time.sampling:g} Hz {period}: recorded histories and their spectra show what is "
-            f"above {time.sampling / 2.0:g} Hz at lower frequencies. Peaks and limits are found at "
-            f"{factor * time.sampling:g} Hz and hold. Sample at {FOLDED * last_hz:.4g} Hz or more",
-            values | {"needed": FOLDED},
-        )
-    if time.sampling < FOLDED * last_hz and any(_is_heard(plan) for plan in study.rooms):
-        yield Finding(
-            "motion-coarsely-sampled",
-            f"At the sampling of {time.sampling:g} Hz {period}: sound is computed from these samples: "
-            f"pressures, levels and ratings are wrong, and peaks of pressures are blank. Sample at "
-            f"{10.0 * last_hz:.4g} Hz or more",
-            values | {"needed": FOLDED},
-            severe=True,
-        )
+    heard = any(_is_heard(plan) for plan in study.rooms)
+    if time.sampling >= FOLDED * last_hz or not (study.records or heard):
+        return
+    needed = HEARD if heard else FOLDED
+    sound = "sound is computed from these samples: pressures, levels and ratings are wrong, and peaks of pressures are "
+    shown = f"recorded histories and their spectra show what is above {time.sampling / 2.0:g} Hz at lower frequencies. "
+    hold = f"Peaks and limits of the structure are found at {factor * time.sampling:g} Hz and hold. "
+    yield Finding(
+        "motion-coarsely-sampled",
+        f"At the sampling of {time.sampling:g} Hz {period}: "
+        + (f"{sound}blank" + ("; " if study.records else ". ") if heard else "")
+        + (shown + hold if study.records else "")
+        + f"Sample at {needed * last_hz:.4g} Hz or more",
+        values | {"needed": needed},
+        severe=heard,
+    )
 
 
 def missed_pulses(study: Study, response: Response) -> Iterator[Finding]:
