@@ -88,8 +88,8 @@ def _completed(material: Orthotropic) -> tuple[Finding, ...]:
     return (
         Finding(
             "material-completed",
-            f"{told}. E {', '.join(map(_pressure, (Ex, Ey, Ez)))}; G {', '.join(map(_pressure, (xy, yz, zx)))}; "
-            f"nu {', '.join(f'{one:.3g}' for one in nu)}",
+            f"{told}. Ex, Ey, Ez: {', '.join(map(_pressure, (Ex, Ey, Ez)))}; Gxy, Gyz, Gzx: "
+            f"{', '.join(map(_pressure, (xy, yz, zx)))}; nuxy, nuyz, nuzx: {', '.join(f'{one:.3g}' for one in nu)}",
             {"Ez_pa": Ez, "Gzx_pa": zx, "nu_yz": nu[1], "nu_zx": nu[2]},
         ),
     )
