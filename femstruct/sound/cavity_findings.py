@@ -47,9 +47,9 @@ def _what_it_did(
     return Finding(
         "cavity-coupling",
         f"The air of {len(placed)} {'cavity' if len(placed) == 1 else 'cavities'} reacts on the structure with {n} "
-        f"modes of its own, all below {lowest:.4g} Hz, the others as added mass: mode {stiffened + 1}, {before:.2f} Hz "
-        f"in vacuo, takes part most in mode {partner + 1} at {after:.2f} Hz. Mode numbers and frequencies are those "
-        f"with the air{also if woolly else ''}",
+        f"{'mode' if n == 1 else 'modes'} of its own below {lowest:.4g} Hz; its higher modes add mass. It changes mode "
+        f"{stiffened + 1} of the structure most: {before:.2f} Hz without the air, {after:.2f} Hz with it, where it is "
+        f"mode {partner + 1}. Mode numbers and frequencies are those with the air{also if woolly else ''}",
         {
             "in_vacuo_hz": before,
             "coupled_hz": after,
