@@ -100,4 +100,21 @@ PLAUSIBILITY: Final = (
             Limit(23e3, "kg/m^3, densest", "osmium has 22 590 kg/m^3", CHOSEN, "material.DENSEST"),
         ),
     ),
+    Entry(
+        "spring-with-long-arms",
+        "A spring joins two places that are far apart beside each other, through rigid arms.",
+        LIMITS,
+        "the two places are apart, across a direction in which the spring has stiffness, by more than the threshold",
+        "Give each place its own opposite ('between' of two points with as many places), or leave out the second end "
+        "for springs to the ground. Props and ties may be as long as they are along their stiffness.",
+        (
+            Limit(
+                0.2,
+                "% of the size of the structure",
+                "isolators and hangers are shorter",
+                CHOSEN,
+                "joint_springs.FAR",
+            ),
+        ),
+    ),
 )

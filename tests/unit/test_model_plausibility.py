@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from femstruct.assembly.assemble import assemble
@@ -18,7 +19,7 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.section import Section, circle, rectangle, tube
-from femstruct.model.structure import Structure, Support
+from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.block import Block
 from femstruct.parts.findings.arrangement import overhang_findings
 from femstruct.parts.findings.theory import model_findings
@@ -27,7 +28,8 @@ from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.parts.slab import Slab
-from femstruct.workflow.judgement.structure_findings import structure_findings_after
+from femstruct.parts.spring import Spring
+from femstruct.workflow.judgement.structure_findings import structure_findings_after, structure_findings_before
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
@@ -281,3 +283,26 @@ def test_damping_that_no_structure_has_is_asked_for(law: LossFactor | Ratio, lea
     assert bool(found) is (least is not None)
     if least is not None:
         assert f"damping ratio of {least:g} % or more, a loss factor of {2 * least:g} %" in found[0].message
+
+
+def springs(at: tuple[tuple[float, float, float], ...], stiffness: tuple[float, ...], to: float) -> tuple[Finding, ...]:
+    """Four feet of a machine of 2 x 1.6 x 1 m, `to` above the mid-surface of the slab, and what they stand on."""
+    machine = Block("machine", 1200.0, origin=(1.0, 1.0, to), size=(2.0, 1.6, 1.0))
+    corners = ((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 1.6, 0.0), (2.0, 1.6, 0.0))
+    points = (PlaceOn("feet", "machine", at=corners), PlaceOn("below", "slab", at=at))
+    isolators = Spring("isolators", "feet", "below", stiffness=(*stiffness, 0.0, 0.0, 0.0))
+    held = (Support("rim", "simple", on="slab", edge="all"),)
+    model = mesh_structure(Structure("machine", (SLAB, machine, isolators), points=points, supports=held))
+    return structure_findings_before(model.structure, model)
+
+
+def test_feet_that_are_tied_to_one_place_far_away_are_named() -> None:
+    """Four feet and one point below the middle: arms of sqrt(1 + 0.8^2) m, of 5 m, and in silence."""
+    own = ((1.0, 1.0), (3.0, 1.0), (1.0, 2.6), (3.0, 2.6))
+    soft = (2e5, 2e5, 1e6)
+    (far,) = (one for one in springs(((2.0, 1.8),), soft, 0.15) if one.code == "spring-with-long-arms")
+    longest = np.sqrt(1.0 + 0.8**2 + 0.15**2)  # across x or y the height counts, too
+    assert far.values["arm_m"] <= longest and far.values["arm_m"] == pytest.approx(np.sqrt(1.0 + 0.8**2), rel=1e-9)
+    assert "all 4 springs act on the one place 'below'" in far.message
+    for at, stiffness, to in ((own, soft, 0.15), (own, (0.0, 0.0, 1e6), 2.5)):  # isolators, and props of 2.5 m
+        assert "spring-with-long-arms" not in {one.code for one in springs(at, stiffness, to)}

@@ -1,4 +1,4 @@
-"""Springs of joints along edges and faces, which are as many as the mesh has nodes there.
+"""Springs of joints along edges and faces, which are as many as the mesh has nodes there; springs with long arms.
 
 A joint with a stiffness has one spring at every pair of joined nodes. At the ends of bars that is what is meant. Where
 neighbouring nodes are joined, as along an edge or over a face, a finer mesh has more springs, and the joint is stiffer.
@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from femstruct.arrays import Integers
+from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import Finding
+from femstruct.model.anchors import places_of
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
+from femstruct.parts.spring import Spring
+
+FAR = 0.2  # of the size of the structure, across the direction of a stiffness: hangers and isolators are shorter
 
 
 def joint_spring_findings(model: Model) -> tuple[Finding, ...]:
@@ -45,3 +49,46 @@ def joint_spring_findings(model: Model) -> tuple[Finding, ...]:
 def _neighbours(part: Meshed, joined: Integers) -> bool:
     """Whether two ends of one bar, or two corners of one cell of a part are among nodes."""
     return any(bool((np.isin(cells, joined).sum(axis=1) > 1).any()) for cells in (part.lines, part.quads) if len(cells))
+
+
+def far_spring_findings(model: Model) -> tuple[Finding, ...]:
+    """Springs whose two places lie far from each other across a direction in which they have stiffness.
+
+    Along its direction a spring may be as long as it likes: a prop, or a tie.
+    """
+    size = _size(model)
+    found = []
+    for part in model.structure.parts:
+        if not isinstance(part, Spring) or part.b is None:
+            continue
+        first, second = (places_of(f"parts.{part.name}.between", end, model) for end in (part.a, part.b))
+        a, b = (np.stack([point.position for point in places]) for places in (first, second))
+        arms = _arms(np.asarray(part.stiffness[:3]) + np.asarray(part.damping[:3]), b - a)
+        longest = float(arms.max(initial=0.0))
+        if longest <= FAR * size:
+            continue
+        several = max(len(a), len(b))
+        one = part.b if len(b) < len(a) else part.a if len(a) < len(b) else ""
+        found.append(
+            Finding(
+                "spring-with-long-arms",
+                f"{part.name}: its ends '{part.a}' and '{part.b}' are up to {longest:.3g} m apart beside each other, "
+                "and rigid arms join each to the middle between them"
+                + (f"; all {several} springs act on the one place '{one}'" if one and several > 1 else "")
+                + ". Give each place its own opposite, or leave out the second end for a spring to the ground",
+                {"arm_m": longest, "size_m": size, "allowed": FAR},
+            )
+        )
+    return tuple(found)
+
+
+def _arms(stiffness: Floats, apart: Floats) -> Floats:
+    """How far ends [n, 3] are apart across the directions that have stiffness, the largest of each [n] [m]."""
+    squared = (apart**2).sum(axis=1)[:, None] - apart**2
+    across: Floats = np.sqrt(np.maximum(squared[:, stiffness > 0.0], 0.0)).max(axis=1, initial=0.0)
+    return across
+
+
+def _size(model: Model) -> float:
+    sizes = [float(np.ptp(part.bounds, axis=0).max()) for part in model.parts.values() if part.rigid]
+    return max([float(np.ptp(model.mesh.points, axis=0).max(initial=0.0)), *sizes])
