@@ -99,6 +99,22 @@ LEVELS: Final = (
         ),
     ),
     Entry(
+        "microphone-near-surface",
+        "A microphone of a rated room is nearer to a surface that radiates than the standard allows.",
+        LIMITS,
+        "a receiver of a room with 'levels' is nearer to the plane of a surface that moves than the threshold",
+        "Move the microphone into the room. At a hard wall the mean square is twice that of the room.",
+        (
+            Limit(
+                0.5,
+                "m",
+                "least distance of a microphone from the boundaries of the room",
+                "ISO 16283-2, minimum distances for microphone positions",
+                "flanking_findings.NEAR_M",
+            ),
+        ),
+    ),
+    Entry(
         "rating-of-other-blows",
         "The source is not the one that the standard rates.",
         LIMITS,

@@ -317,3 +317,24 @@ def test_a_floor_that_nothing_holds_is_said_where_a_room_hears_it(
     found = told(before(study), "nothing-holds-it")
     assert [one.severe for one in found] == severe
     assert all("holds its 8640 kg, and it moves the air of bed" in one.message for one in found)
+
+
+@pytest.mark.parametrize(
+    ("height", "levels", "near"), [(2.5, True, True), (2.1, True, True), (1.9, True, False), (2.5, False, False)]
+)
+def test_a_microphone_at_the_ceiling_of_a_rated_room_is_named(
+    tmp_path: Path, height: float, levels: bool, near: bool
+) -> None:
+    """In the plane of the ceiling it was rated as any other. The ceiling is 2.5 m above the floor of the room."""
+    study = files(tmp_path)
+    model = tmp_path / "slab.yaml"
+    model.write_text(f"{model.read_text(encoding='utf-8')}surfaces: {{under: {{on: slab, side: below}}}}\n", "utf-8")
+    room = f"receivers: {{a: [1, 1, {height}], b: [2, 3, 1.5], c: [4, 1, 1], d: [4, 3, 1.3]}}, losses: {{t60: 0.5 s}}"
+    rated = ", levels: [ISO 16283-2]" if levels else ""
+    text = re.sub(r"\{ball: .*\}", "{ball: {source: rubber ball, above: middle}}", STUDY)
+    study.write_text(f"{text}rooms: {{bed: {{size: [5, 4, 2.5], under: under, {room}{rated}}}}}\n", encoding="utf-8")
+    found = told(inspect_file(study).findings, "microphone-near-surface")
+    assert len(found) == near
+    if near:
+        assert found[0].values["distance_m"] == pytest.approx(2.5 - height, abs=1e-9)  # rounding
+        assert found[0].message.startswith("bed: a: nearer than 0.5 m to a surface")

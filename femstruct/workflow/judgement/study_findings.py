@@ -12,7 +12,7 @@ from femstruct.impact.scene.impact_sources import DROPPED
 from femstruct.study.acting import PlacedBody, PlannedLoad
 from femstruct.study.asked import TimePlan
 from femstruct.study.study import Case, Study
-from femstruct.workflow.judgement.flanking_findings import flanking_findings
+from femstruct.workflow.judgement.flanking_findings import flanking_findings, near_microphones
 from femstruct.workflow.judgement.impact_findings import hammer_findings, load_findings, room_findings
 from femstruct.workflow.judgement.source_findings import source_unresolved
 from femstruct.workflow.stages.places import Places
@@ -35,6 +35,7 @@ def study_findings(case: Case, places: Places) -> list[Finding]:
     shown = (record.target for record in study.records if record.what == STRESS)
     found = [*orthotropic_findings(study.structure, shown)]
     about = [(plan.name, one) for plan in study.rooms for one in flanking_findings(plan, places)]
+    about += [(plan.name, one) for plan in study.rooms for one in near_microphones(plan, study, places)]
     found += room_findings(about)
     if time is not None:
         found += hammer_findings(study, places)
