@@ -15,6 +15,7 @@ from femstruct.impact.result.fatigue import rainflow_cycles
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.answer_tables import fatigue
 from femstruct.view.tables.machine_table import limits, machine
+from femstruct.view.tables.terminal import study_tables
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
@@ -61,6 +62,8 @@ def test_damage_of_a_doubtful_peak_is_marked(result: StudyResult, tmp_path: Path
     assert f"{found['root'].damage_beside:.3g} with the smaller stress" in told["root"].message
     told_of_stress = [one.message for one in case.findings if one.message.startswith("bar stress: do not quote")]
     assert told_of_stress and all(" MPa" in one and " Pa " not in one for one in told_of_stress), told_of_stress
+    (grid,) = [grid for grid in study_tables(result) if grid.title.startswith("largest stresses")]
+    assert grid.title.endswith("(? : do not quote, see stress-uneven)") and grid.rows[0][2].endswith(" ?")
     table = json.loads(json.dumps(summary(result)))["cases"]["as given"]
     assert [table["fatigue"][name]["converged"] for name in ("root", "felt", "moved")] == [False, False, True]
     assert table["fatigue"]["root"]["damage_modes_alone"] == pytest.approx(found["root"].damage_modes_alone)

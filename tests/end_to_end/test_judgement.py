@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult
+from femstruct.view.figures.histories import history
 from femstruct.view.tables.terminal import study_tables
 from femstruct.workflow.check.asked_response import frf_of
 from femstruct.workflow.check.inspect import inspect_file
@@ -18,6 +20,7 @@ from femstruct.workflow.exchange.asked_responses import frfs_of
 from femstruct.workflow.identify.identify import identify
 from femstruct.workflow.run.run import run_study
 from femstruct.workflow.stages.modal_bases import solve_all
+from femstruct.workflow.stages.recorded.peaks import converged
 from tests.data.command_line import femstruct
 
 PLATE = """
@@ -221,8 +224,18 @@ def test_a_change_that_hangs_on_residual_vectors_is_told(tmp_path: Path) -> None
     peaks = result.comparison.cases["harder"].peaks
     assert not peaks["a.z acceleration"].converged and peaks["net force on a"].converged
     (grid,) = [grid for grid in study_tables(result) if grid.title.startswith("peaks")]
-    assert "? : do not quote" in grid.title
+    assert "? : do not quote, see peak-not-converged and change-not-converged" in grid.title
     assert [row[2].endswith(" % ?") for row in grid.rows] == [True, False]
+    for row, name in zip(grid.rows, ("a.z acceleration", "net force on a"), strict=True):
+        for cell, case in zip(row[1:], result.cases.values(), strict=True):
+            sure = converged(case.channels[name])
+            assert [one.endswith(" ?") for one in cell.split("\n")[0].split(" / ")] == [not sure, not sure]
+            assert summary(result)["cases"][case.case.name]["peaks"][name]["converged"] == sure
+    assert not converged(harder.channels["a.z acceleration"])
+    figure = history(result, "a.z acceleration")
+    assert "? : do not quote, see peak-not-converged" in figure.texts[0].get_text()
+    labels = figure.axes[0].get_legend_handles_labels()[1]
+    assert len(labels) == 2 and all(label.endswith(" in all ?") for label in labels)
 
 
 def undamped(folder: Path, damping: str, changes: str = "", window: str = "0.1 s") -> dict[str, Any] | None:

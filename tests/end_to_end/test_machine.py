@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -12,11 +13,12 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq
 
 from femstruct.cli import app
-from femstruct.errors import InputErrors
+from femstruct.errors import Finding, InputErrors
 from femstruct.files.results_file.results import write_results
 from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
+from femstruct.view.tables.machine_table import machine
 from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.run import run_study
 
@@ -189,6 +191,17 @@ record: {m.z: displacement, ball: travel}
 limits: {m.z displacement: 60 mm, settled: %s}
 time: {duration: 10 s, sampling: 1 kHz}
 """
+
+
+def test_a_travel_that_is_not_to_be_quoted_is_marked(hammer: StudyResult) -> None:
+    name, first = next(iter(hammer.cases.items()))
+    doubt = Finding("peak-not-converged", "die.z displacement: do not quote its peak.")
+    told = replace(hammer, cases={**hammer.cases, name: replace(first, findings=(doubt,))})
+    sure, marked = machine(hammer), machine(told)
+    assert "?" not in sure.title and marked.title.endswith("? : do not quote, see peak-not-converged)")
+    changed = [(i, j) for i, row in enumerate(marked.rows) for j, cell in enumerate(row) if cell != sure.rows[i][j]]
+    assert changed == [(0, marked.columns.index("die.z [mm]"))]
+    assert marked.rows[0][changed[0][1]] == f"{sure.rows[0][changed[0][1]]} ?"
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ def test_layout_is_the_documented_one(result):
         "machine",
         "findings",
     }
-    assert set(case["peaks"]["O_f.z velocity"]) == {"first_impact", "whole", "unit"}
+    assert set(case["peaks"]["O_f.z velocity"]) == {"first_impact", "whole", "unit", "converged"}
     assert set(case["contacts"]["ball on floor"]) == {"peak_force_n", "peak_time_s", "closings", "first_open_s"}
     assert set(case["bodies"]["ball"]) == {"end_velocity", "travel"}
     assert set(case["energy"]) == {"input_j", "at_separation", "end", "ledger_residual"}

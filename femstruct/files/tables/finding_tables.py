@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from acoustics.errors import Advice
 from femstruct.errors import Finding
@@ -11,7 +11,9 @@ from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import place_of, rank_of
 
 if TYPE_CHECKING:  # tables of one structure need nothing of impacts
-    from femstruct.study.result import StudyResult
+    from femstruct.study.result import CaseResult, StudyResult
+
+OF_PEAKS: Final = ("peak-not-converged", "stress-uneven")  # findings of one channel, whose name begins their message
 
 
 def finding_table(found: Finding | Advice) -> dict[str, Any]:
@@ -33,6 +35,12 @@ def finding_from(table: Mapping[str, Any]) -> Finding:
     Finding(code='sags-far', message='Far.', values={}, severe=False)
     """
     return Finding(table["code"], table["message"], table["values"], table["severe"])
+
+
+def unquotable(case: CaseResult) -> dict[str, str]:
+    """Recorded channels of a case whose peaks are not to be quoted, each with the code of the finding that says so."""
+    found = [one for one in case.findings if one.code in OF_PEAKS]
+    return {name: one.code for one in found for name in case.channels if one.message.startswith(f"{name}: ")}
 
 
 def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...]], ...]:

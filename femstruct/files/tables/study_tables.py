@@ -10,7 +10,7 @@ from acoustics.levels.rated import RatedRoom
 from femstruct.files.tables.array_tables import array_tables
 from femstruct.files.tables.described import columns, described
 from femstruct.files.tables.error_tables import error_table
-from femstruct.files.tables.finding_tables import finding_table, study_findings_table
+from femstruct.files.tables.finding_tables import finding_table, study_findings_table, unquotable
 from femstruct.files.tables.json_numbers import label, number
 from femstruct.files.tables.machine_tables import machine_table, verdict_tables
 from femstruct.files.tables.radiated_tables import radiated_beside, radiated_table, shares_table
@@ -55,12 +55,17 @@ def summary(result: StudyResult) -> Table:
 
 def case_table(case: CaseResult) -> Table:
     """The numbers of one case by itself, as `summary` has them."""
-    response = case.response
+    response, unsure = case.response, unquotable(case)
     return described(case) | {
         "outcome": None if response is None else response.outcome.value,
         "basis": case.basis_key,
         "peaks": {
-            name: {"first_impact": number(channel.first_impact), "whole": number(channel.whole), "unit": channel.unit}
+            name: {
+                "first_impact": number(channel.first_impact),
+                "whole": number(channel.whole),
+                "unit": channel.unit,
+                "converged": name not in unsure,
+            }
             for name, channel in case.channels.items()
         },
         "contacts": {} if response is None else {name: described(one) for name, one in response.contacts.items()},

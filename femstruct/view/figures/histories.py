@@ -10,12 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
+from femstruct.files.tables.finding_tables import unquotable
 from femstruct.impact.result.response import BodyHistory, EnergyLedger, Response
 from femstruct.impact.result.shares import held_over_time
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, new_figure, panels, thinned
 from femstruct.view.figures.undrawn import no_energy
 from femstruct.view.tables.accuracy_table import anything_meets
+from femstruct.view.tables.finding_lines import doubted
 from femstruct.view.tables.scales import digits, scaled
 
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
@@ -43,16 +45,19 @@ def history(result: StudyResult, channel: str) -> Figure:
     first = next(iter(cases.values())).channels[channel]
     met = anything_meets(result)
     factor, unit = scaled(first.unit, max(case.channels[channel].whole for case in cases.values()))
+    doubts = {name: found[channel] for name, case in cases.items() if channel in (found := unquotable(case))}
     legend = {
         name: f"{name}: peak "
         + (f"{digits(factor * case.channels[channel].first_impact)} {unit} in the first impact, " if met else "")
         + f"{digits(factor * case.channels[channel].whole)} {unit} in all"
+        + (" ?" if name in doubts else "")
         for name, case in cases.items()
     }
     curves = {name: (_times(case), case.channels[channel].values) for name, case in cases.items()}
     filtered = next(iter(cases.values())).case.study.peaks.lowpass_hz is not None
     title = (
-        f"{channel}   (peaks of |x|; {result.comparison.filter}{'; the curves are not filtered' if filtered else ''})"
+        f"{channel}   (peaks of |x|; {result.comparison.filter}{'; the curves are not filtered' if filtered else ''}"
+        f"{doubted(doubts.values(), '; ')})"
     )
     return _figure(result, title, [(channel, first.unit, curves, legend)])
 

@@ -6,21 +6,32 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from femstruct.files.tables.finding_tables import unquotable
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, with_axis
 from femstruct.reported import OWN_UNIT, Reported, holdings, reported
 from femstruct.study.result import StudyResult
+from femstruct.view.tables.finding_lines import doubted
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import ZEROS, digits, rounded, scaled
 
 
 def stresses(result: StudyResult) -> Grid:
     """A row for every part whose stress is recorded and every case: how large, where, and when."""
-    grid = Grid("largest stresses of von Mises", ("", "case", "stress [MPa]", "where", "at [ms]"), keys=2)
+    unsure = [
+        code
+        for case in result.cases.values()
+        for name, code in unquotable(case).items()
+        if case.channels[name].stressed
+    ]
+    title = "largest stresses of von Mises" + (f" ({doubted(unsure)})" if unsure else "")
+    grid = Grid(title, ("", "case", "stress [MPa]", "where", "at [ms]"), keys=2)
     for case_name, case in result.cases.items():
+        doubts = unquotable(case)
         for name, channel in case.channels.items():
             if (found := channel.stressed) is not None:
                 worst = found.worst
-                amount, time = f"{1e-6 * found.largest[worst]:.4g}", f"{1e3 * found.time[worst]:.3f}"
+                amount = f"{1e-6 * found.largest[worst]:.4g}{' ?' if name in doubts else ''}"
+                time = f"{1e3 * found.time[worst]:.3f}"
                 grid.add(name.rpartition(" ")[0], case_name, amount, found.where, time)
     return grid
 

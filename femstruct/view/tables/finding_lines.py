@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rich.console import Console
 
@@ -33,6 +33,18 @@ def finding_lines(found: Sequence[Told], verbose: bool) -> list[tuple[Rank | Non
     if hidden:
         lines.append((None, "1 remark: -v shows it" if hidden == 1 else f"{hidden} remarks: -v shows them"))
     return lines
+
+
+def doubted(codes: Iterable[str], before: str = "") -> str:
+    """What the mark "?" in a table means, of findings that forbid to quote its numbers; nothing without any.
+
+    >>> doubted(["stress-uneven", "peak-not-converged", "stress-uneven"], "; ")
+    '; ? : do not quote, see stress-uneven and peak-not-converged'
+    >>> doubted([])
+    ''
+    """
+    named = " and ".join(dict.fromkeys(codes))
+    return f"{before}? : do not quote, see {named}" if named else ""
 
 
 def show_findings(screen: Console, found: Sequence[Told], verbose: bool) -> None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import product
 from math import isnan, nan
 
+from femstruct.files.tables.finding_tables import unquotable
 from femstruct.study.machine import Companion, EnergyShare, GroundForce, Machine, Verdict
 from femstruct.study.result import StudyResult
+from femstruct.view.tables.finding_lines import doubted
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import scaled
 
@@ -94,6 +97,11 @@ def machine(result: StudyResult) -> Grid:
         ("last blow / first", _growth),
     ]
     cells = {name: [tell(one) for _, tell in columns] for name, one in cases.items()}
+    doubts = {name: unquotable(result.cases[name]) for name in cases}
+    starts = next(i for i, (column, _) in enumerate(columns) if column == SAGS) - len(travels)
+    for (name, row), (i, travel) in product(cells.items(), enumerate(travels, starts)):
+        row[i] += " ?" if travel in doubts[name] else ""
+    told = doubted([code for found in doubts.values() for name, code in found.items() if name in travels], "; ")
     if any(result.verdicts.values()):
         columns.append(("limits", lambda m: ""))
         for name, row in cells.items():
@@ -104,7 +112,8 @@ def machine(result: StudyResult) -> Grid:
         if baseline is not None and row is not baseline:
             row[:] = ["as baseline" if i in same and one == baseline[i] != "-" else one for i, one in enumerate(row)]
     kept = [i for i in range(len(columns)) if any(set(row[i]) - set("-\n 0.") for row in cells.values())]
-    grid = Grid("machine (energies: when the first contact ends, and at the end)", ("", *(columns[i][0] for i in kept)))
+    title = f"machine (energies: when the first contact ends, and at the end{told})"
+    grid = Grid(title, ("", *(columns[i][0] for i in kept)))
     for name, row in cells.items():
         grid.add(name, *(row[i] for i in kept))
     return grid

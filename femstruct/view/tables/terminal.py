@@ -10,7 +10,7 @@ from rich.console import Console
 
 from acoustics.levels.sound_levels import Levels
 from femstruct.errors import some_of
-from femstruct.files.tables.finding_tables import findings_by_case
+from femstruct.files.tables.finding_tables import findings_by_case, unquotable
 from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
@@ -19,7 +19,7 @@ from femstruct.view.tables.array_table import arrays
 from femstruct.view.tables.blow_table import blows
 from femstruct.view.tables.console import console
 from femstruct.view.tables.energy_table import energies, energy_destinations
-from femstruct.view.tables.finding_lines import show_findings
+from femstruct.view.tables.finding_lines import doubted, show_findings
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.machine_table import limits, machine
 from femstruct.view.tables.radiated_table import bands_by_surface, installed, radiated, shares_by_surface
@@ -109,15 +109,16 @@ def other_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 def _peaks(result: StudyResult) -> Grid:
     told = "first impact / whole window" if anything_meets(result) else "whole window"
-    unsure = any(not one.converged for beside in result.comparison.cases.values() for one in beside.peaks.values())
-    mark = "; ? : do not quote, see change-not-converged" if unsure else ""
+    changed = any(not one.converged for beside in result.comparison.cases.values() for one in beside.peaks.values())
+    codes = [code for case in result.cases.values() for code in unquotable(case).values()]
+    told_of = doubted([*codes, *(["change-not-converged"] if changed else [])], "; ")
     tiny = any(
         rounded(one.whole, _largest(case, one.unit)) != one.whole
         for case in result.cases.values()
         for one in case.channels.values()
         if not isnan(one.whole)
     )
-    title = f"peaks: {told} ({result.comparison.filter}{mark}{ZEROS if tiny else ''})"
+    title = f"peaks: {told} ({result.comparison.filter}{told_of}{ZEROS if tiny else ''})"
     grid = Grid(title, ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
@@ -136,7 +137,8 @@ def _peak(result: StudyResult, case: str, name: str, factor: float) -> str:
     beside = result.comparison.cases.get(case)
     change = beside.peaks.get(name) if beside else None
     largest = _largest(result.cases[case], channel.unit)
-    texts = [[digits(factor * rounded(one, largest)) for one in (channel.first_impact, channel.whole)]]
+    mark = " ?" if name in unquotable(result.cases[case]) else ""
+    texts = [[f"{digits(factor * rounded(one, largest))}{mark}" for one in (channel.first_impact, channel.whole)]]
     if change is not None:
         mark = "" if change.converged else " ?"
         texts.append([f"{_percent(one)}{mark}" for one in (change.first_impact_percent, change.whole_percent)])
