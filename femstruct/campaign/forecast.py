@@ -25,6 +25,7 @@ from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.campaign.sought import FEWEST_RUNS, Search
 from femstruct.study.campaign.varied import Campaign, Listed, Scattered
+from femstruct.view.campaigns.not_known import why_not_known
 from femstruct.view.campaigns.swept_table import written
 from femstruct.view.campaigns.varied_words import range_of
 from femstruct.workflow.progress import Progress, duration
@@ -60,6 +61,7 @@ def planned(
         "rows": f"full runs: {batch}" if isinstance(batch, str) else parts.made,
         "about how long": _long(seconds, cores),
         "main numbers": ", ".join(_main(rows)) or "none: the first sample has no result",
+        **_not_known(_main(rows), rows, "the first sample"),
         "samples that are refused": len(parts.refused),
         **({"the first of them": next(iter(parts.refused.values()))} if parts.refused else {}),
     }
@@ -113,6 +115,7 @@ def planned_search(
         "runs at most": most * search.samples,
         "about how long": _long(most * search.samples * taken, cores),
         "main numbers": ", ".join(_main(rows)) or f"none: {rows[0].trouble}",
+        **_not_known([*(goal.name for goal in search.goals), *search.limits], rows, "the design that was run"),
     }
 
 
@@ -143,6 +146,19 @@ def _long(seconds: float, cores: int) -> str:
 def _main(rows: Sequence[Row]) -> list[str]:
     """The main numbers of rows; all others are named by their place in summary.json."""
     return [name for name in dict.fromkeys(name for row in rows for name in row.numbers) if APART not in name]
+
+
+def _not_known(names: Sequence[str], rows: Sequence[Row], of: str) -> dict[str, str]:
+    """Numbers that no row of what was run has, each with the reason, by the line that states them."""
+    codes = {code for row in rows for code in row.findings}
+    ran = [row for row in rows if not row.trouble]
+    lacking = [
+        name
+        for name in dict.fromkeys(names)
+        if (asked := [row.numbers[name].value for row in ran if name in row.numbers]) and not np.isfinite(asked).any()
+    ]
+    told = [name + (f" ({why})" if (why := why_not_known(name, codes)) else "") for name in lacking]
+    return {f"not known in {of}": ", ".join(told)} if told else {}
 
 
 def _seconds(parts: Split, tasks: Sequence[Work]) -> tuple[float, list[Row]]:

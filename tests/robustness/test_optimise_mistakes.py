@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.campaign.forecast import planned_search
+from femstruct.campaign.forecast import planned, planned_search
 from femstruct.campaign.optimise import optimise
 from femstruct.errors import InputErrors
 from femstruct.language.campaigns import read_campaign
@@ -104,6 +104,20 @@ def test_a_range_of_which_one_end_cannot_be_is_tried(tmp_path: Path) -> None:
     assert told["may be chosen: bodies.ball.mass"] == "-1 kg .. 1 kg" and "m.z velocity" in str(told["main numbers"])
     found = optimise(search, workers=1)
     assert found.left_out and found.chosen[0].number == pytest.approx(1.0, abs=0.1)  # the end of the range, 40 designs
+
+
+def test_a_plan_states_goals_that_have_no_number(tmp_path: Path) -> None:
+    (tmp_path / "model.yaml").write_text(
+        "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n", encoding="utf-8"
+    )
+    path = tmp_path / "a.study.yaml"
+    path.write_text(f"{STUDY}limits: {{settled: 1 s}}\n", encoding="utf-8")
+    why = "settled (not at rest when the window, or the time between blows, ends)"
+    for goal, lacking in (("settled", why), ("m.z velocity", why)):  # a limit of the study, too
+        told = planned_search(read_search(path, f"minimise {goal}", ["bodies.ball.mass=1 kg:2 kg"]), workers=1)
+        assert told["not known in the design that was run"] == lacking
+    told = planned(read_campaign(path, ["bodies.ball.mass=1 kg,2 kg"]), workers=1)
+    assert told["not known in the first sample"] == why
 
 
 def test_a_sweep_of_a_case_refuses_paths_of_others(tmp_path: Path) -> None:

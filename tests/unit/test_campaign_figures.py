@@ -103,3 +103,18 @@ def test_a_case_that_does_not_change_stands_beside_one_that_does() -> None:
         grid = list(swept_pieces(table))[1]
         assert [row[1] for row in grid.rows][:2] == ["as given", "fixed"]
     assert spread(two, "hall.mic L_AFmax", "fixed").deviation == 0.0
+
+
+def test_a_number_that_no_sample_has_is_not_the_same_in_all() -> None:
+    """Nor one that only the sample has that is not to be trusted."""
+    whole = rows()
+    names = ("hall rating", "hall rating before rounding", "total mass", "hall.mic L_AFmax")
+    values = np.column_stack([np.full((N, 2), np.nan), np.full(N, 7.0), np.full(N, np.nan)])[None].copy()
+    values[0, -1] = 50.0  # of the last sample, whose finding forbids trust
+    some = replace(whole, names=names, number_units=("dB", "dB", "kg", "dB"), main=names, numbers=values,
+                   findings=((("rating-beyond-modes",),) * N,))  # fmt: skip
+    told = [one for one in swept_pieces(some) if isinstance(one, str)]
+    why = "it needs bands that are blank; femstruct explain rating-beyond-modes"
+    assert f"Not known in any of the samples: hall rating, hall rating before rounding ({why})" in told
+    assert "Not known in any of the samples: hall.mic L_AFmax" in told
+    assert "The same in all samples: total mass" in told

@@ -10,6 +10,7 @@ import numpy as np
 from femstruct.study.asked import SETTLED
 from femstruct.study.campaign.sought import SAME, Search
 from femstruct.study.campaign.swept import Swept
+from femstruct.view.campaigns.not_known import why_not_known
 from femstruct.view.campaigns.swept_table import in_unit
 from femstruct.view.tables.scales import digits
 
@@ -63,6 +64,8 @@ def without_number(search: Search, rows: Swept) -> Iterator[str]:
             why = f". The window is too short: the structure does not come to rest in it; {do}"
         elif name == SETTLED:
             why = f". The structure is {NOT_AT_REST} there, so that the limit is not shown to hold"
+        elif told := why_not_known(name, {code for case in rows.findings for own in case for code in own}):
+            why = f": {told}"
         yield f"'{name}' has no number in {count}{why}"
 
 

@@ -16,6 +16,7 @@ from femstruct.study.campaign.influence import influences
 from femstruct.study.campaign.spread import FEWEST
 from femstruct.study.campaign.swept import Swept, independent
 from femstruct.study.campaign.varied import INDICES
+from femstruct.view.campaigns.not_known import not_known, not_known_pieces
 from femstruct.view.tables.grid import Grid, Piece
 from femstruct.view.tables.scales import digits, scaled
 
@@ -135,8 +136,9 @@ def _share(ends: tuple[float, float, float]) -> str:
 def left_out_pieces(rows: Swept, names: Sequence[str] = (), one: str = "sample") -> Iterator[Piece]:
     """What does not change, how many samples have no number or are not to be trusted, and why. one : what a row is."""
     n, many = len(rows.texts), f"{one}s"
-    same = unchanged(rows, names)
-    if same:
+    yield from not_known_pieces(rows, names, many)
+    unknown = not_known(rows, names)
+    if same := [name for name in unchanged(rows, names) if name not in unknown]:
         yield f"The same in all {many}: {some_of(same, SAME)}"
     at_most = max((int(rows.trusted(case).sum()) for case in rows.cases), default=0)
     if rows.drawn and at_most < FEWEST:
