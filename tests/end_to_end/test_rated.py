@@ -16,6 +16,8 @@ from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.asked import Limit
 from femstruct.study.result import StudyResult
+from femstruct.view.page.html import table
+from femstruct.view.tables.rated_table import ratings
 from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.compare.verdicts import verdicts
 from femstruct.workflow.run.run import run_study
@@ -91,18 +93,17 @@ def test_terminal_tables_and_file_say_the_same(
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("bedroom")]
     for name in (symbol, plain):
         number, spread = rated.numbers[name], rated.receivers_spread_db[name]
-        first, *more = (row for row in rows if row[1:4] == [name, "as", "is"])
-        row = first + [word for other in more for word in other[4:]]  # a wide table goes on below
+        (row,) = (row for row in rows if row[1:4] == [name, "as", "is"])
         over = rated.number_intervals[name]
         rooms = [f"{over.mean:.1f}", f"[{over.low:.1f},", f"{over.high:.1f}]"]
-        alone = [f"{number.value_db:g}", "-", "(1)", f"{spread:.1f}", "(2)"]
+        alone = [f"{number.value_db:g}", "-", f"{spread:.1f}"]
         assert row[4:] == [*alone, *rooms, f"{number.deciding_hz:g}"]
     assert next(row for row in rows if row[1:3] == [plain, "plain"])[4] == "+0.0"  # the same levels, not standardised
     assert not [row for row in rows if row[1:3] == [symbol, "plain"]]
-    table = summary(result)["cases"]["as is"]["rated"]["bedroom"]
-    assert table["numbers"][symbol]["value_db"] == rated.numbers[symbol].value_db
-    assert table["bands_db"]["63"] == rated.bands_db[63.0]
-    assert table["receivers"] == 2
+    one = summary(result)["cases"]["as is"]["rated"]["bedroom"]
+    assert one["numbers"][symbol]["value_db"] == rated.numbers[symbol].value_db
+    assert one["bands_db"]["63"] == rated.bands_db[63.0]
+    assert one["receivers"] == 2
     change = summary(result)["comparison"]["plain"]["rated_db"]  # of what both have; the room's transfer is taken again
     assert change == {"bedroom": {plain: pytest.approx(0.0, abs=1e-9)}}  # rounding: 4e-12 here
     write_results(tmp_path / "results.h5", result)
@@ -112,6 +113,20 @@ def test_terminal_tables_and_file_say_the_same(
         assert stored["value_db"][0] == rated.numbers[symbol].value_db
         assert stored["bands_db"][:].tolist() == list(rated.bands_db.values())
         assert stored["t60_s"].attrs["unit"] == "s"
+
+
+def test_how_many_places_spreads_are_over_is_no_number_among_levels(result: StudyResult) -> None:
+    grid = ratings(result)
+    assert grid.title.endswith("; spreads are over 1 drop and 2 receivers)")
+    assert table(grid).count("<table>") == 1  # also with four drops and C_I it fits on paper
+    case = result.cases["plain"]
+    fewer = replace(
+        case, rated={"bedroom": replace(case.rated["bedroom"], measured_db=case.rated["bedroom"].measured_db[:, :1])}
+    )
+    other = ratings(replace(result, cases={**result.cases, "plain": fewer}))
+    assert "spreads are over" not in other.title
+    column = [head.partition("\n")[0] for head in other.columns].index("over")
+    assert [row[column].partition(" ")[2] for row in other.rows] == ["(2 receivers)", "(2 receivers)", "(1 receiver)"]
 
 
 def test_few_modes_and_another_blow_are_told(tmp_path: Path) -> None:

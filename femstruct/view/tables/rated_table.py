@@ -11,6 +11,7 @@ from femstruct.view.tables.grid import Grid
 
 BLANK = "blank"  # of a band that reaches beyond the modes
 STATISTICAL = "statistical"  # of one that statistical energies fill
+OVER = ("drop", "receiver")
 ASSUMED = "only the floor radiates, no flanking; the room is rigid except for its reverberation time"
 
 
@@ -21,19 +22,22 @@ def ratings(result: StudyResult) -> Grid:
     besides = list(
         dict.fromkeys(name for _, _, one in rated for number in one.numbers.values() for name in number.beside)
     )
+    counts = {(one.drops, one.receivers) for _, _, one in rated}
+    alike = len(counts) == 1
+    of = "; spreads are over " + " and ".join(map(_counted, counts.copy().pop(), OVER)) if alike else ""
     grid = Grid(
-        f"impact sound by the standards ({ASSUMED})",
+        f"impact sound by the standards ({ASSUMED}{of})",
         (
             "room",
             "single number",
             "case",
             "[dB]",
             *besides,
-            "difference (its spread over drops) [dB]",
-            "spread over drops [dB]",
-            "over receivers [dB]",
-            "over rooms and places: mean [90 %]",
-            "deciding band [Hz]",
+            "difference\n(its spread\nover drops)\n[dB]",
+            "spread over\ndrops\n[dB]",
+            "over\nreceivers\n[dB]",
+            "over rooms\nand places:\nmean [90 %]",
+            "deciding\nband [Hz]",
         ),
         keys=3,
     )
@@ -52,12 +56,21 @@ def ratings(result: StudyResult) -> Grid:
                 bounded(number),
                 *(f"{number.beside[other]:g}" if other in number.beside else "" for other in besides),
                 change,
-                f"{_number(one.drops_spread_db[symbol])} ({one.drops})",
-                f"{_number(one.receivers_spread_db[symbol])} ({one.receivers})",
+                _number(one.drops_spread_db[symbol]) + ("" if alike else f" ({_counted(one.drops, OVER[0])})"),
+                _number(one.receivers_spread_db[symbol]) + ("" if alike else f" ({_counted(one.receivers, OVER[1])})"),
                 _over_rooms(one, symbol),
                 f"{number.deciding_hz:g}" if isfinite(number.deciding_hz) else "-",
             )
     return grid
+
+
+def _counted(count: int, what: str) -> str:
+    """A number of drops or receivers.
+
+    >>> _counted(1, "drop"), _counted(4, "receiver")
+    ('1 drop', '4 receivers')
+    """
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def first_drop(result: StudyResult) -> str:
@@ -124,10 +137,10 @@ def bounded(number: SingleNumber) -> str:
 
 
 def _over_rooms(rated: RatedRoom, symbol: str) -> str:
-    """A number over an ensemble, "-" without one, with the reason where low bands do not change it."""
+    """A number over an ensemble, "-" without one, with the reason where no low band, which vary over it, decides."""
     if symbol not in rated.number_intervals:
         decides = rated.numbers[symbol].deciding_hz
-        return "-" if rated.ensemble is None or not isfinite(decides) else f"- ({decides:g} Hz decides, no low band)"
+        return "-" if rated.ensemble is None or not isfinite(decides) else "- (no low band)"
     one = rated.number_intervals[symbol]
     return f"{one.mean:.1f} [{one.low:.1f}, {one.high:.1f}]"
 
