@@ -11,6 +11,7 @@ from femstruct.conventions import GRAVITY
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
 from femstruct.impact.result.fatigue import SNLine
 from femstruct.language import read_study
+from femstruct.modal.damping import Damping, FromMaterials, ModeDamping, Ratio
 from femstruct.modal.steady.spectrum import Spectrum
 from femstruct.model.given import Given
 from femstruct.model.material import Material
@@ -93,6 +94,13 @@ def test_the_bedrooms_tables_say_its_inputs_and_cases_in_units_people_use() -> N
     tables = {grid.title: grid.rows for grid in input_tables(inputs(plan.cases[0].study))}
     assert list(tables) == ["materials", "structure", "what acts on it", "rooms", "analysis"]
     assert tables["materials"] == [("concrete", "30 GPa", "2400 kg/m³", "0.2", "0 %")]
+    (materials,) = (grid for grid in input_tables(inputs(plan.cases[0].study)) if grid.title == "materials")
+    assert materials.columns[-1] == "loss factor\n(not used)"  # the damping is one loss factor for all
+    for damping, column in ((FromMaterials(), "loss factor"), (Ratio(0.02), "loss factor\n(not used)")):
+        of = replace(plan.cases[0].study, damping=Damping(damping, (ModeDamping(4, near_hz=19.9, ratio=0.06),)))
+        first, *_, last = input_tables(inputs(of))
+        assert first.columns[-1] == column
+        assert any("mode 4: 6 %" in row[2] for row in last.rows)
     assert "thickness 180 mm" in tables["structure"][0][2] and "drop height 1 m" in tables["what acts on it"][0][2]
     assert "size 5 x 4 x 2.5 m" in tables["rooms"][0][2] and "63 Hz 550 ms" in tables["rooms"][0][2]
     cases = cases_table(plan, ["as is", "200 mm", "damper"])

@@ -17,6 +17,8 @@ FRONT: Final[Mapping[str, tuple[str, ...]]] = {  # tables of groups; of the othe
     "rooms": ("rooms",),
     "analysis": ("analysis",),
 }
+LOSS: Final = "loss factor"  # of a material: used only where the damping is
+OF_MATERIALS: Final = Given(LOSS, "of the materials")
 FURTHER: Final = "further inputs"
 
 
@@ -39,10 +41,14 @@ def further_inputs(asked: Inputs) -> Grid:
 
 def _materials(asked: Inputs) -> Grid:
     items = asked.groups.get("materials", ())
-    grid = Grid("materials", ("", *dict.fromkeys(one.what for item in items for one in item.given)))
+    columns = list(dict.fromkeys(one.what for item in items for one in item.given))
+    damping = [one for item in asked.groups.get("analysis", ()) if item.name == "damping" for one in item.given]
+    unused = bool(damping) and not any(one == OF_MATERIALS for one in damping)
+    shown = [f"{column}\n(not used)" if unused and column == LOSS else column for column in columns]
+    grid = Grid("materials", ("", *shown))
     for item in items:
         told = {one.what: amount(one) for one in item.given}
-        grid.add(item.name, *(told.get(column, "") for column in grid.columns[1:]))
+        grid.add(item.name, *(told.get(column, "") for column in columns))
     return grid
 
 

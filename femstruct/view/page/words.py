@@ -24,11 +24,12 @@ _PREFIXES: Final = {  # unit: (size, shown unit), the largest first
     "m^2": ((1.0, "m^2"), (1e-6, "mm^2")),
     "m^4": ((1.0, "m^4"), (1e-12, "mm^4")),
 }
+MODE: Final = "mode "  # begins the names of damping ratios of single modes
 _PERCENT: Final = (
     "ratio",
     "damping ratio",
     "loss factor",
-    "mode ",
+    MODE,
 )  # begin the names of shares that are told in percent
 _EACH: Final = ("E", "G", "D", "S", "A")  # moduli and rigidities along axes, whose sizes differ: each in its own unit
 LARGE: Final = 1e7  # from there on whole numbers have an exponent
@@ -43,10 +44,13 @@ def spoken(one: Given) -> str:
     ('thickness 180 mm', 'size 5 x 4 m')
     >>> spoken(Given("band", (1.0, 500.0), "Hz")), spoken(Given("loss factor", 0.02))
     ('band 1 to 500 Hz', 'loss factor 2 %')
+    >>> spoken(Given("mode 4", 0.06))
+    'mode 4: 6 %'
     """
     if one.what == "lines":
         return f"{len(one.value)} line{'s' if len(one.value) > 1 else ''}"
-    return f"{one.what} {amount(one)}"
+    numbered = ":" if one.what.startswith(MODE) else ""  # "mode 4 6 %" would be of mode 46
+    return f"{one.what}{numbered} {amount(one)}"
 
 
 def amount(one: Given) -> str:
