@@ -236,6 +236,10 @@ def exported(tmp_path: Path) -> Path:
     write_csv(sheets(result), tmp_path, "out")
     file = tmp_path / "out.third_octaves.csv"
     assert any(row.endswith(",") for row in file.read_text("utf-8-sig").splitlines())
+    assert file.read_text("utf-8-sig").splitlines()[0] == "band_hz,as given: hall.mic bands_db (L_Fmax)"
+    earlier = tmp_path / "earlier.csv"
+    earlier.write_text(file.read_text("utf-8-sig").replace(" (L_Fmax)", ""), encoding="utf-8")
+    assert len(read_levels(earlier, 0.5, result.plan)) == 1
     (one,) = read_levels(file, 0.5, result.plan)
     assert one.residuals(Trial({}, None, result.cases["as given"])) == pytest.approx(
         np.zeros(9), abs=1e-9

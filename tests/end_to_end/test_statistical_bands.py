@@ -111,6 +111,11 @@ def test_every_reader_marks_them(result: StudyResult, tmp_path: Path, capsys: py
     (path,) = (one for one in paths if "rated_bands" in one.name)
     with path.open(encoding="utf-8-sig", newline="") as file:
         rows = list(csv.reader(file))
+    assert rows[0][1] == "as given: bedroom bands_db (L'_i,Fmax,V,T)"
+    heads = {sheet.name: sheet.columns for sheet in sheets(result)}
+    assert heads["third octaves"][1] == "as given: bedroom.mic bands_db (L_Fmax)"
+    assert heads["octaves"][1].endswith(" octaves_db (L_Fmax)") and heads["exposures"][1].endswith(" exposure_db (L_E)")
+    assert heads["findings"][0] == "code" and len(set(heads["findings"])) == len(heads["findings"])
     assert rows[0][2].endswith("bands_from") and rows[-1][2] == "statistical" and rows[1][2] == "modes"
     figure = rated_bands(result, "bedroom")
     assert figure is not None

@@ -24,6 +24,10 @@ BANDS: Final[tuple[tuple[str, ...], ...]] = (  # sheet, table of the summary, wh
     ("rated bands", "rated", "bands_db", "bands_from", "mean_db", "low_db", "high_db"),
     ("sound energy bands", "sound_energy", "bands_db"),
 )
+SYMBOLS: Final = {  # of what is in a column, by table and key; of rated bands each room's own
+    **{(table, key): "L_Fmax" for table in ("levels", "total_levels") for key in ("bands_db", "octaves_db")},
+    ("levels", "exposure_db"): "L_E",
+}
 ROWS: Final = ("limits", "peaks", "contacts", "bodies", "blows", "sound_energy")  # of the summary, a row for every name
 LONGEST: Final = 31  # characters of a sheet's name
 
@@ -39,7 +43,8 @@ class Sheet(NamedTuple):
 def sheets(result: StudyResult) -> tuple[Sheet, ...]:
     """All tables of a study that have rows: third octaves and ratings first, as columns and rows of all cases.
 
-    Columns are named as in JSON, with their units: "peak_force_n".
+    Columns are named as in JSON, with their units: "peak_force_n"; levels by band with their symbol:
+    "bands_db (L_Fmax)".
     """
     table = summary(result)
     cases: Mapping[str, Table] = table["cases"]
@@ -51,7 +56,7 @@ def sheets(result: StudyResult) -> tuple[Sheet, ...]:
     ]
     thirds, *others = (_by_band(cases, *which) for which in BANDS)
     changes = [((case, name), one) for case, own in table["comparison"].items() for name, one in own["peaks"].items()]
-    findings = [((one["code"],), one | {"cases": ", ".join(one["cases"])}) for one in table["findings"]]
+    findings = [((), one | {"cases": ", ".join(one["cases"])}) for one in table["findings"]]
     made = (
         thirds,
         _rows("ratings", ("case", "room", "number"), numbers),
@@ -59,7 +64,7 @@ def sheets(result: StudyResult) -> tuple[Sheet, ...]:
         *(_rows(name.replace("_", " "), ("case", "name"), _named(cases, name)) for name in ROWS),
         *_held_sheets(result),
         _rows("changes of peaks", ("case", "name"), changes),
-        _rows("findings", ("finding",), findings),
+        _rows("findings", (), findings),
     )
     return tuple(sheet for sheet in made if sheet.rows)
 
@@ -91,10 +96,20 @@ def _held_rows(noun: Any, keys: tuple[str, ...], within: tuple[str, ...] = ()) -
 def _by_band(cases: Mapping[str, Table], name: str, table: str, *wanted: str) -> Sheet:
     """A row for every band of any case, columns for every case and place."""
     named = _named(cases, table)
-    columns = {f"{case}: {place} {what}": one[what] for (case, place), one in named for what in wanted}
+    columns = {
+        f"{case}: {place} {what}{_symbol(table, what, one)}": one[what]
+        for (case, place), one in named
+        for what in wanted
+    }
     bands = sorted({band for values in columns.values() for band in values}, key=float)
     rows: list[tuple[Cell, ...]] = [(float(band), *(values.get(band) for values in columns.values())) for band in bands]
     return Sheet(name, ("band_hz", *columns), rows)
+
+
+def _symbol(table: str, key: str, of: Table) -> str:
+    """The symbol of a level, in brackets after the key: " (L_Fmax)"; "" for what is no level of a band."""
+    symbol = SYMBOLS.get((table, key)) or (of["band_quantity"] if (table, key) == ("rated", "bands_db") else "")
+    return f" ({symbol})" if symbol else ""
 
 
 def _rows(name: str, keys: tuple[str, ...], found: Sequence[tuple[tuple[str, ...], Table]]) -> Sheet:

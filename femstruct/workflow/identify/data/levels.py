@@ -21,7 +21,7 @@ from femstruct.workflow.identify.needs import Needs
 from femstruct.workflow.identify.trial import Trial
 
 USUAL: Final = 1.5  # dB: repeated measurements of one room
-_COLUMN: Final = re.compile(r"(?:(?P<case>.+): )?(?P<place>[^:]+?)(?: bands_db)?")
+_COLUMN: Final = re.compile(r"(?:(?P<case>.+): )?(?P<place>[^:]+?)(?: bands_db(?: \([^)]*\))?)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class LevelsDatum(Datum):
 
 def read_levels(path: Path, scatter: float | None, plan: Plan) -> tuple[LevelsDatum, ...]:
     """Levels of a table of bands, a column for every place of the study: ``ROOM.RECEIVER``, ``ROOM``, or as `femstruct
-    export` heads it, ``CASE: ROOM.RECEIVER bands_db``, of which only the case that is fitted is taken.
+    export` heads it, ``CASE: ROOM.RECEIVER bands_db (L_Fmax)``, of which only the case that is fitted is taken.
 
     Raises InputError for a table in which no column is a place of the study.
     """
