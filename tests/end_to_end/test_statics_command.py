@@ -63,6 +63,9 @@ def test_a_link_puts_no_force_on_the_ground(tmp_path: Path) -> None:
     table = json.loads(statics(str(tmp_path / "m.yaml"), "--weight", "--json").stdout)
     assert table["on_the_ground"] == ["wall", "ground"] and "spider" in table["forces_n"]
     head, _, rest = told.stdout.partition("forces between parts")
+    ground = [line.split() for line in head.splitlines() if line.startswith(("wall", "ground"))]
+    assert ground[1] == ["ground", "(sum", "of", "all)", *ground[0][1:]]
+    assert "forces on the ground: what stands at several places as one sum" in head
     assert "spider" in rest and "spider" not in head and "wall" in head.partition("forces on the ground")[2], told
 
 

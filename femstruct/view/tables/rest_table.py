@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from femstruct.assembly.forces import GROUND
 from femstruct.errors import some_of
 from femstruct.files.tables.finding_tables import finding_from
 from femstruct.view.tables.console import console
@@ -12,7 +13,13 @@ from femstruct.view.tables.finding_lines import show_findings
 from femstruct.view.tables.grid import Grid
 from femstruct.view.tables.scales import rounded
 
-BETWEEN = "forces between parts: on the second part of a joint; of a rigid link on its 'to', of an average on its 'of'"
+AT_SEVERAL = "what stands at several places as one sum"
+ON_THE_GROUND = f"forces on the ground: {AT_SEVERAL}"
+BETWEEN = (
+    f"forces between parts: {AT_SEVERAL}; on the second part of a joint; of a rigid link on its 'to', of an average on "
+    "its 'of'"
+)
+SUM = " (sum of all)"
 NOISE = 1e-6  # of the largest displacement or rotation: less has no meaning beside it
 
 
@@ -38,12 +45,12 @@ def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
         parts.add(name, _number(1e3 * moved), *told)
     parts.show(screen)
     largest = max((abs(one) for force in table["forces_n"].values() for one in force), default=0.0)
-    for words, on_the_ground in (("forces on the ground", True), (BETWEEN, False)):
+    for words, on_the_ground in ((ON_THE_GROUND, True), (BETWEEN, False)):
         forces = Grid(words, ("", "x [N]", "y [N]", "z [N]"))
         own = [name for name in table["forces_n"] if (name in table["on_the_ground"]) is on_the_ground]
         for name in own:
             force = table["forces_n"][name]
-            forces.add(name, *(_number(rounded(one, largest)) for one in force))
+            forces.add(f"{name}{SUM}" if name == GROUND else name, *(_number(rounded(one, largest)) for one in force))
         forces.show(screen)
     if table["held_inside"]:
         x, y, z = (_number(one) for one in table["held_inside"]["force_n"])
