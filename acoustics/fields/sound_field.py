@@ -27,6 +27,7 @@ from acoustics.rooms.pressure_maps import PressureMap
 from acoustics.rooms.receiver_grids import RoomGrid
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
 
+T60_OF_ALL = "reverberation_time_of_all_modes_s"
 LOW_HZ = 20.0  # where hearing begins: a damping ratio is told there too
 FACING = 0.99  # least cosine of the angle between a surface and the way it should face
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -293,7 +294,8 @@ def faces_out(wall: str) -> AcousticsError:
 
 
 def described_modes(losses: Losses, frequency_hz: Floats, walls: Floats | None = None) -> dict[str, object]:
-    """What is said in tables of a closed room's modes: the first three, and how they are damped.
+    """What is said in tables of a closed room's modes: the first three, and how they are damped; where it is one for
+    all of them, their reverberation time.
 
     walls : rates at which walls damp the amplitudes of the modes [1/s], beside the losses.
     """
@@ -301,7 +303,9 @@ def described_modes(losses: Losses, frequency_hz: Floats, walls: Floats | None =
     ratios = {f"{f:g}": modal_damping_ratio(losses, f) for f in (LOW_HZ, *first) if f > 0}
     for f, rate in zip(first, [] if walls is None else walls.tolist(), strict=False):
         ratios[f"{f:g}"] += rate / (2 * np.pi * f)
-    return {"first_modes_hz": first, "damping_ratio": ratios}
+    alone = walls is None or not walls.any()
+    one = {T60_OF_ALL: t60_of(losses, LOW_HZ)} if alone and losses.kind == "constant_decay" else {}
+    return {"first_modes_hz": first, "damping_ratio": ratios, **one}
 
 
 def air_stiffness_ratio(room: SoundField, area: float | Floats, stiffness: float | Floats) -> float | Floats:

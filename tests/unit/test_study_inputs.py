@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from acoustics.fields.rectangular import Room
+from acoustics.losses import losses_from_beta
 from femstruct.conventions import GRAVITY
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
 from femstruct.impact.result.fatigue import SNLine
@@ -21,6 +23,7 @@ from femstruct.study.counting import FatigueRequest
 from femstruct.study.inputs import Inputs, differences, inputs
 from femstruct.study.study import Plan
 from femstruct.view.page.input_tables import cases_table, further_inputs, input_tables
+from femstruct.view.tables.structure_tables import _room_told
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDIES = sorted(MODELS.glob("*.study.yaml"))
@@ -106,6 +109,19 @@ def test_the_bedrooms_tables_say_its_inputs_and_cases_in_units_people_use() -> N
     cases = cases_table(plan, ["as is", "200 mm", "damper"])
     assert ("200 mm", "slab: thickness", "180 mm", "200 mm") in cases.rows
     assert [row[0] for row in cases.rows if row[0]] == ["as is", "200 mm", "floating screed, not run", "damper"]
+
+
+def test_a_reverberation_time_that_is_given_as_one_value_is_shown() -> None:
+    """Damping ratios of three modes alone do not say it; where it rises with frequency there is none of all modes."""
+    study = read_study(MODELS / "tapping.study.yaml").cases[0].study
+    (rooms,) = (grid for grid in input_tables(inputs(study)) if grid.title == "rooms")
+    assert "reverberation time of all modes 500 ms" in rooms.rows[0][2]
+    described = study.rooms[0].room.described()
+    assert described["reverberation_time_of_all_modes_s"] == pytest.approx(0.5, rel=1e-12)  # rounding
+    told = "; ".join(_room_told(described))
+    assert told.startswith("first modes ") and told.endswith("; reverberation time 0.5 s of all modes")
+    other = Room([5.0, 4.0, 2.5], losses=losses_from_beta(0.01, 100.0))
+    assert "reverberation_time_of_all_modes_s" not in other.described()
 
 
 def test_fatigue_and_spectra_are_told_as_they_are_spoken_of(tmp_path: Path) -> None:

@@ -183,7 +183,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         if "side" in room:
             screen.print(f"{name}: open air {room['side']} the surface, in an infinite rigid baffle")
             continue
-        screen.print(f"room {name}: {'; '.join(_room_told(room))}")
+        screen.print(f"room {name}: {'; '.join(_room_told(room))}", soft_wrap=True)
         if "largest_cell_m" in room:
             cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
             screen.print(f"  cells of {cells} at most; room modes, with rigid walls, up to {most}")
@@ -202,6 +202,8 @@ def _room_told(room: Row) -> list[str]:
     if "damping_ratio" in room:
         ratios = [f"{100 * ratio:.3g} % at {float(f):.4g} Hz" for f, ratio in room["damping_ratio"].items()]
         told.append(f"damping {', '.join(ratios)}")
+    if (t60 := room.get("reverberation_time_of_all_modes_s")) is not None:
+        told.append(f"reverberation time {t60:.4g} s of all modes")
     return told or [f"{key} {value}" for key, value in room.items()]
 
 
