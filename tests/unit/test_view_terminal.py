@@ -111,6 +111,18 @@ def test_an_attenuation_of_nothing_has_no_sign():
     assert terminal._mode_db(beside, "O_f.z velocity", 1) == "0.00"
 
 
+def test_modes_that_are_attenuated_alike_share_a_row():
+    """Those that follow each other: mode 3 is not known, so that 4 is no part of them."""
+    result = BY_HAND["study_by_hand"]()
+    values = {1: 3.0, 2: 3.001, 4: 3.0, 5: -1.0}
+    others = {name: replace(one, modes_db={"O_f.z velocity": values}) for name, one in result.comparison.cases.items()}
+    grid = table(replace(result, comparison=replace(result.comparison, cases=others)), "attenuation")
+    f = result.cases[result.comparison.baseline].basis.frequency_hz
+    assert [row[1] for row in grid.rows] == ["1 to 2", "4", "5"]
+    assert [row[2] for row in grid.rows] == [f"{f[0]:.1f} to {f[1]:.1f}", f"{f[3]:.1f}", f"{f[4]:.1f}"]
+    assert [row[3] for row in grid.rows] == ["3.00", "3.00", "-1.00"]
+
+
 def test_of_many_receivers_two_are_told_and_the_others_counted():
     result = BY_HAND["study_by_hand"]()
     (room,) = {name.partition(".")[0] for name in result.cases["without damper"].channels if name.endswith("pressure")}

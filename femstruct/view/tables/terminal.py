@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 from math import inf, isfinite, isnan
 
 from rich.console import Console
@@ -195,7 +196,11 @@ def _level(case: CaseResult, name: str, what: str) -> str:
 
 
 def _modes_db(result: StudyResult) -> Grid:
-    """Attenuation at the baseline's spectral peaks: motion, pressures and the net force side by side."""
+    """Attenuation at the baseline's spectral peaks: motion, pressures and the net force side by side.
+
+    Modes that follow each other and are attenuated alike have one row: those near one peak, and all of a blow that is
+    only weaker.
+    """
     others = result.comparison.cases
     grid = Grid(
         f"attenuation at the modes of '{result.comparison.baseline}' [dB]",
@@ -214,12 +219,23 @@ def _modes_db(result: StudyResult) -> Grid:
         numbers = sorted(modes.get(channel, spoken))
         shown = [mode for mode in numbers if reference.basis.frequency_hz[mode - 1] <= SPOKEN_HZ][:SPOKEN_MODES]
         unspoken = max(unspoken, len(numbers) - len(shown))
-        for mode in shown:
-            frequency = reference.basis.frequency_hz[mode - 1]
-            grid.add(channel, str(mode), f"{frequency:.1f}", *(_mode_db(c, channel, mode) for c in others.values()))
+        rows = {mode: tuple(_mode_db(one, channel, mode) for one in others.values()) for mode in shown}
+        for (cells, _), alike in groupby(shown, key=lambda mode: (rows[mode], mode - numbers.index(mode))):
+            group = list(alike)
+            ends = [f"{reference.basis.frequency_hz[mode - 1]:.1f}" for mode in (group[0], group[-1])]
+            grid.add(channel, _from_to([str(group[0]), str(group[-1])]), _from_to(ends), *cells)
     left = len(pressures) + len(moving) - len(heard)
     more = [f"{count} more {word}" for count, word in ((left, "receivers"), (unspoken, "modes")) if count]
     return replace(grid, title=f"{grid.title} ({' and '.join(more)} in summary.json)") if more else grid
+
+
+def _from_to(ends: Sequence[str]) -> str:
+    """Both ends of what has one row, or one where they are alike.
+
+    >>> _from_to(["4", "6"]), _from_to(["5.5", "5.5"])
+    ('4 to 6', '5.5')
+    """
+    return " to ".join(dict.fromkeys(ends))
 
 
 def _only_accelerates(case: CaseResult, name: str) -> bool:
