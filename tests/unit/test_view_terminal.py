@@ -101,7 +101,18 @@ def test_energies_are_told_in_a_unit_that_fits_and_nothing_as_nothing():
     grid = energies(result)
     assert grid.title == "energy [mJ]"  # 120 mJ, made by hand
     ends = [row for row in grid.rows if row[1] == "end"]
-    assert ends and all(row[4] == "0" for row in ends)
+    assert ends and all(row[grid.columns.index("structure")] == "0" for row in ends)
+
+
+def test_a_ledger_says_what_later_blows_and_work_put_in():
+    """Of hammers that strike one after the other, the energy of the first alone was to be seen at the start."""
+    result = BY_HAND["study_by_hand"]()
+    ledger = next(iter(result.cases.values())).response.ledger
+    object.__setattr__(ledger, "end", replace(ledger.end, blows=0.5, work=0.25))
+    grid = energies(result)
+    put_in = [row[grid.columns.index("put in")] for row in grid.rows[:3]]
+    first = ledger.start.total + ledger.at_separation.work + ledger.at_separation.blows
+    assert put_in == [f"{1e3 * one:.4g}" for one in (ledger.start.total, first, ledger.start.total + 0.75)]
 
 
 def test_an_attenuation_of_nothing_has_no_sign():

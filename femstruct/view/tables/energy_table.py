@@ -18,12 +18,13 @@ LEDGER_NOISE = 1e-9  # share of the energy put in, below which a ledger holds th
 
 
 def energies(result: StudyResult) -> Grid:
-    """The ledger at the start, the separation and the end, bodies and what holds the modes' energy by name."""
+    """The ledger at the start, the separation and the end: what was put in until then, by work and later blows too, and
+    what has it, bodies and what holds the modes' energy by name."""
     ledgers = [case.response.ledger for case in result.cases.values() if case.response is not None]
     factor, unit = scaled("J", max(map(_put_in, ledgers), default=0.0))
     grid = Grid(
         f"energy [{unit}]",
-        ("case", "when", "t [ms]", "bodies", "structure", "contacts, links", "dissipated", "ledger residual"),
+        ("case", "when", "t [ms]", "put in", "bodies", "structure", "contacts, links", "dissipated", "ledger residual"),
         keys=3,
     )
     for name, case in result.cases.items():
@@ -36,7 +37,7 @@ def energies(result: StudyResult) -> Grid:
             if balance is None and not case.response.contacts:
                 continue  # nothing meets, so nothing parts
             if balance is None:
-                grid.add(name, label, "never", "", "", "", "", "")
+                grid.add(name, label, "never", "", "", "", "", "", "")
                 continue
             kinetic: dict[str, float] = {}
             for body, energy in balance.bodies.items():  # an array of bodies is told as one
@@ -49,6 +50,7 @@ def energies(result: StudyResult) -> Grid:
                 name,
                 label,
                 f"{1e3 * balance.t:.3f}",
+                tell(ledger.start.total + balance.work + balance.blows),
                 bodies,
                 ", ".join(_part(name, tell(energy)) for name, energy in parts.items()) or tell(balance.structure),
                 tell(stored),
