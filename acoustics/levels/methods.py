@@ -68,6 +68,15 @@ _SYMBOLS: Final = {  # (blows, standardised): of the bands, of the single number
 }
 
 
+def band_quantity_of(symbol: str) -> str:
+    """The symbol of the bands that a single number of ISO is made of; "" for other numbers.
+
+    >>> band_quantity_of("L'_nT,w"), band_quantity_of("L-50")
+    ("L'_nT", '')
+    """
+    return next((bands for bands, number in _SYMBOLS.values() if number == symbol), "")
+
+
 @dataclass(frozen=True)
 class Method:
     """How standards rate one kind of blows.

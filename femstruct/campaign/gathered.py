@@ -9,10 +9,14 @@ import numpy as np
 from femstruct.campaign.journal import Row
 from femstruct.campaign.numbers import APART
 from femstruct.campaign.samples import Samples
+from femstruct.dimensions import DIMENSIONS
 from femstruct.impact.compiled.workers import compilation
 from femstruct.impact.engine.needed_units import BY_COLLOCATION, EXACTLY
+from femstruct.language.yaml import Mistakes
+from femstruct.language.yaml.reader import parse_value
 from femstruct.study.campaign.swept import Swept, is_of_limit
 from femstruct.study.study import Plan
+from femstruct.units import QuantityError, quantity_of
 from femstruct.workflow.progress import Progress
 from femstruct.workflow.run.provenance import provenance
 
@@ -69,7 +73,10 @@ def gathered(
     return Swept(
         title=title,
         paths=samples.paths,
-        units=samples.units,
+        units=tuple(
+            one or (unit_in(plan, path) if np.isfinite(column).all() else "")
+            for path, one, column in zip(samples.paths, samples.units, samples.numbers.T, strict=True)
+        ),
         texts=samples.texts,
         values=samples.numbers,
         method=method,
@@ -88,6 +95,26 @@ def gathered(
         provenance=provenance(command),
         made=made,
     )
+
+
+def unit_in(plan: Plan, path: str) -> str:
+    """The unit of what stands at a path in the files of a study, where it is written with one: plain numbers that it
+    varies over are in that unit. "" for all else.
+
+    >>> unit_in(Plan("", (), "", {"a.study.yaml": "rooms: {bed: {losses: {t60: 0.5 s}}}"}), "rooms.bed.losses.t60")
+    's'
+    """
+    for text in (text for name, text in plan.sources.items() if name.endswith((".yaml", ".yml"))):
+        value = parse_value(text, "", Mistakes()).value
+        for step in path.split("."):
+            value = value.get(step) if isinstance(value, dict) else None
+        if isinstance(value, str):
+            try:
+                dimension = quantity_of(value, tuple(DIMENSIONS))[1]
+            except QuantityError:
+                return ""
+            return DIMENSIONS[dimension].unit if dimension else ""
+    return ""
 
 
 def versions() -> dict[str, str]:

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.collections import LineCollection
 
+from femstruct.campaign.gathered import unit_in
 from femstruct.study.campaign.spread import spread
 from femstruct.study.campaign.swept import Swept
+from femstruct.study.study import Plan
 from femstruct.view.campaigns.bands_figure import bands_figure
 from femstruct.view.campaigns.parallel_figure import swept_parallel
 from femstruct.view.campaigns.swept_figure import edges, swept_figure
@@ -58,6 +60,34 @@ def test_cells_of_a_map_lie_about_their_values() -> None:
     np.testing.assert_allclose(edges(np.array([1.0, 10.0, 100.0])), decades, rtol=1e-12)  # rounding
     found = edges(np.array([1.0, 4.0, 5.0]))
     assert found.tolist() == [-0.5, 2.5, 4.5, 5.5] and edges(np.array([2.0])).tolist() == [1.9, 2.1]
+
+
+def test_ticks_of_a_map_are_at_values_that_were_run() -> None:
+    """Cells about the first and the last value go beyond them; an axis of times went from below 0 on."""
+    whole = rows()
+    values = np.array([(a, b) for a in (0.1, 0.4, 0.7, 1.0) for b in (0.14, 0.18, 0.22, 0.26)])
+    grid = replace(whole, values=values, paths=("rooms.a.losses.t60", "parts.slab.thickness"), units=("s", "m"),
+                   texts=tuple((f"{a}", f"{b} m") for a, b in values), method="grid")  # fmt: skip
+    axes = swept_figure(grid, ("hall.mic L_AFmax",)).axes[0]
+    assert [one.get_text() for one in axes.get_xticklabels()] == ["0.1", "0.4", "0.7", "1"]
+    assert [one.get_text() for one in axes.get_yticklabels()] == ["140", "180", "220", "260"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("rooms.a.losses.t60 [s]", "parts.slab.thickness [mm]")
+
+
+def test_bands_of_a_rated_room_have_their_symbol() -> None:
+    whole = rows()
+    assert bands_figure(whole).axes[0].get_ylabel() == "L_Fmax in dB re 20 µPa"
+    names = (*(f"rated / hall / bands_db / {band}" for band in (63, 125)), "rated / hall / numbers / X / value_db")
+    for number, label in (("L'_iA,Fmax,V,T", "L'_i,Fmax,V,T"), ("L'_nT,w", "L'_nT"), ("L-50", "rated bands")):
+        rated = replace(whole, names=(*(one.replace("X", number) for one in names), "mass"))
+        assert bands_figure(rated).axes[0].get_ylabel() == f"{label} in dB re 20 µPa"
+
+
+def test_plain_numbers_have_the_unit_that_the_file_writes() -> None:
+    sources = {"a.study.yaml": "rooms: {bed: {losses: {t60: 0.5 s}}}\nn: 3\n", "b.yaml": "parts: {slab: {E: 30 GPa}}"}
+    plan = Plan("", (), "", sources)
+    paths = ("rooms.bed.losses.t60", "parts.slab.E", "n", "rooms.bed", "rooms.x.y")
+    assert [unit_in(plan, path) for path in paths] == ["s", "Pa", "", "", ""]
 
 
 def test_each_trusted_sample_is_a_line_across_all_axes() -> None:

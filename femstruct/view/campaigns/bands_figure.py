@@ -9,12 +9,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from acoustics.levels.methods import band_quantity_of
 from femstruct.arrays import Floats
 from femstruct.study.campaign.spread import FEWEST
 from femstruct.study.campaign.swept import Swept
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, new_figure, panels
 
 GROUPS: Final = (("rated", "rated bands"), ("levels", "third octaves"))  # of summary.json, and what they are called
+LEVELS: Final = "L_Fmax"  # of the third octaves of a receiver
 KEY: Final = "bands_db"
 MOST: Final = 4  # rooms and receivers in one picture
 
@@ -41,9 +43,18 @@ def bands_figure(rows: Swept) -> Figure | None:
         place = range(len(bands))
         own.set_xticks(place, list(bands), fontsize=8 if len(bands) < 18 else 7)
         own.set_title(name, fontsize=10, loc="right")
-        finish(own, "frequency in Hz" if own is axes[-1] else "", f"{name.partition(':')[0]} [dB]")
+        finish(own, "frequency in Hz" if own is axes[-1] else "", f"{_quantity(rows, name)} in dB re 20 µPa")
     legend_above(axes[0])
     return figure
+
+
+def _quantity(rows: Swept, panel: str) -> str:
+    """The symbol of the levels in a panel, as "rated bands: bedroom"; where it is not known what they are called."""
+    group, _, place = panel.partition(": ")
+    if group == GROUPS[1][1]:
+        return LEVELS
+    symbols = (name.split(" / ")[3] for name in rows.names if name.startswith(f"{GROUPS[0][0]} / {place} / numbers / "))
+    return next(filter(None, map(band_quantity_of, symbols)), group)
 
 
 def _envelope(

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -20,6 +21,7 @@ from femstruct.view.figures.drawing import BASELINE, case_lines, finish, legend_
 
 AS_GIVEN: Final = "as given"
 MOST: Final = 6  # numbers in one picture
+MOST_TICKS: Final = 8  # along one axis of a map
 WIDE: Final = 30.0  # largest over smallest value of a path, from which on its axis is logarithmic
 LEAST_DB: Final = 0.1  # of a picture's height
 FEW_DECADES: Final = 2e3  # the same, from which on ticks are at powers of ten alone
@@ -97,6 +99,8 @@ def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) 
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
         number_axis(own, x)
         number_axis(own, y, vertical=True)
+        _ticks_at(own.xaxis, x)
+        _ticks_at(own.yaxis, y)
         finish(own, *(named(rows.paths[k], scale[1]) for k, scale in zip(numeric, scales, strict=True)))
     for own in grid[len(names) :]:
         own.set_visible(False)
@@ -166,6 +170,12 @@ def _level(axes: Axes, unit: str) -> None:
     low, high = axes.get_ylim()
     if unit == "dB" and high - low < LEAST_DB:
         axes.set_ylim(0.5 * (low + high - LEAST_DB), 0.5 * (low + high + LEAST_DB))
+
+
+def _ticks_at(axis: Axis, values: Floats) -> None:
+    """Ticks at the values that were run, as many as can be read: cells about the first and the last go beyond them."""
+    shown = values[:: -(-len(values) // MOST_TICKS)]
+    axis.set_ticks(shown, [f"{value:.4g}" for value in shown])
 
 
 def edges(values: Floats) -> Floats:
