@@ -222,7 +222,11 @@ def _a_weighted(places_db: Floats) -> SingleNumber:
     found = heavy_impact_level(dict(zip(A_THIRDS, energy_average(places_db).tolist(), strict=True)))
     curve = equal_parts(found.unrounded_db)
     return SingleNumber(
-        float(found.rating_db), found.unrounded_db, found.deciding_hz, curve, "equal shares of all bands"
+        float(found.rating_db),
+        found.unrounded_db,
+        found.deciding_hz,
+        curve,
+        "levels at which all bands have equal shares in it",
     )
 
 

@@ -16,6 +16,7 @@ from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.asked import Limit
 from femstruct.study.result import StudyResult
+from femstruct.view.figures.loudness import rated_bands
 from femstruct.view.page.html import table
 from femstruct.view.tables.rated_table import ratings
 from femstruct.view.tables.terminal import show_study
@@ -127,6 +128,17 @@ def test_how_many_places_spreads_are_over_is_no_number_among_levels(result: Stud
     assert "spreads are over" not in other.title
     column = [head.partition("\n")[0] for head in other.columns].index("over")
     assert [row[column].partition(" ")[2] for row in other.rows] == ["(2 receivers)", "(2 receivers)", "(1 receiver)"]
+
+
+def test_lines_on_the_bars_are_in_the_legend(result: StudyResult) -> None:
+    figure = rated_bands(result, "bedroom")
+    assert figure is not None
+    labels = figure.axes[0].get_legend_handles_labels()[1]
+    assert "standard deviation over drops and receivers, to each side" in labels
+    assert "mean over rooms and places, and 90 % interval" in labels
+    assert "L'_iA,Fmax,V,T of the baseline: levels at which all bands have equal shares in it" in labels
+    marks = [line for line in figure.axes[0].get_lines() if line.get_marker() == "D" and len(line.get_xdata())]
+    assert marks and all(line.get_markerfacecolor() == "white" for line in marks)  # the bars of the baseline are dark
 
 
 def test_few_modes_and_another_blow_are_told(tmp_path: Path) -> None:

@@ -28,6 +28,8 @@ from femstruct.view.tables.rated_table import struck_first, told
 
 SHOWN_DB: Final = 50.0  # below the loudest that is drawn
 CURVES: Final = ("--", ":", "-.")  # of the single numbers in their order
+SPREAD: Final = "0.45"  # colour of its lines
+OUTLINED: Final = (withStroke(linewidth=3.2, foreground="white"),)  # what lies on dark bars would be lost
 
 
 def levels_over_time(result: StudyResult, room: str) -> Figure | None:
@@ -90,8 +92,11 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     kind = (first.band_quantity, first.bands_hz)
     shown = {name: one for name, one in rated.items() if (one.band_quantity, one.bands_hz) == kind}
     title = f"Impact sound in {room}: {', '.join(first.standards)}, {first.drops} drops x {first.receivers} receivers"
-    figure = new_figure(11.0, 4.6 + 0.155 * (len(shown) + len(first.curves)), title)
-    ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * (len(shown) + len(first.curves)))
+    spread_over = any(np.isfinite(list(one.spread_db.values())).any() for one in shown.values())
+    over_rooms = any(one.ensemble for one in shown.values())
+    lines = 0.155 * (len(shown) + len(first.curves) + spread_over + over_rooms)  # inches of the legend
+    figure = new_figure(11.0, 4.6 + lines, title)
+    ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + lines)
     width = 0.8 / len(shown)
     heard = [level for one in shown.values() for level in one.bands_db.values() if np.isfinite(level)] or [0.0]
     highest, lowest = max(heard), min(heard)
@@ -104,7 +109,7 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
         bars: dict[str, Any] = {}
         if np.isfinite(spread).any():
             spread = np.where(np.isfinite(spread), spread, 0.0)  # of what is statistical
-            bars = {"yerr": spread, "error_kw": {"ecolor": "0.45", "elinewidth": 0.8}}
+            bars = {"yerr": spread, "error_kw": {"ecolor": SPREAD, "elinewidth": 0.8}}
         bars |= {"bottom": floor, "color": colours[name]}
         drawn = axes.bar(x, levels - floor, width, label=_label(name, one), **bars)
         for band, bar in zip(np.array(one.bands_hz)[known].tolist(), drawn, strict=True):
@@ -113,20 +118,26 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
         means = np.array(list(one.mean_db.values()))[known]
         if np.isfinite(means).any():
             low, high = (np.array(list(limits.values()))[known] for limits in (one.low_db, one.high_db))
-            look = {"fmt": "D", "markersize": 3.0, "color": "black", "elinewidth": 1.6, "capsize": 0.0}
-            axes.errorbar(x + 0.25 * width, means, yerr=[means - low, high - means], **look)
+            look = {"fmt": "D", "markersize": 3.6, "color": "black", "elinewidth": 1.6, "capsize": 0.0, "mfc": "white"}
+            mean, _, (ends,) = axes.errorbar(x + 0.25 * width, means, yerr=[means - low, high - means], **look)
+            ends.set_path_effects(OUTLINED)
+            mean.set_zorder(ends.get_zorder() + 0.1)
     compared = {symbol: rating for symbol, rating in first.curves.items() if rating.curve_db}
     for style, (symbol, rating) in zip(CURVES, compared.items(), strict=False):
-        curve, label = list(rating.curve_db.values()), f"baseline, {symbol}: {rating.curve}"
-        outlined = [withStroke(linewidth=2.5, foreground="white")]  # or it is lost on dark bars
-        look = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": outlined}
+        curve, label = list(rating.curve_db.values()), f"{symbol} of the baseline: {rating.curve}"
+        look = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": OUTLINED}
         axes.plot(np.arange(len(curve)), curve, label=label, **look)
     axes.set_xticks(range(len(first.bands_hz)), [f"{band:g}" for band in first.bands_hz], fontsize=8)
     axes.set_xlim(-0.6, len(first.bands_hz) - 0.4)
     axes.set_ylim(floor, max(highest, *axes.get_ylim()) + 2.0)
     hatched = "; hatched: statistical" if any(one.statistical_hz for one in shown.values()) else ""
-    if any(one.ensemble for one in shown.values()):
-        hatched += "; diamonds: mean over rooms and places, 90 %"
+    if spread_over:
+        axes.plot(
+            [], [], color=SPREAD, linewidth=0.8, label="standard deviation over drops and receivers, to each side"
+        )
+    if over_rooms:
+        label = "mean over rooms and places, and 90 % interval"
+        axes.plot([], [], "D-", color="black", mfc="white", markersize=3.6, linewidth=1.6, label=label)
     if not all(np.isfinite(list(one.bands_db.values())).all() for one in shown.values()):
         hatched += "; no bar: beyond the modes"
     finish(axes, f"{first.method.bands}, nominal centre in Hz{hatched}", f"{first.band_quantity} in dB re 20 µPa")
