@@ -14,7 +14,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from acoustics.levels.ending import ended
-from acoustics.levels.sound_levels import response_levels
+from acoustics.levels.sound_levels import level_spectrum, response_levels
 from acoustics.receivers import Receiver
 from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.modal.analytic import given_modes
@@ -22,7 +22,7 @@ from femstruct.study.asked import RoomPlan
 from femstruct.study.result import Channel
 from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
 from femstruct.view.figures.histories import contact_forces, energy, history, travels
-from femstruct.view.figures.maps import draw_map, heard_peaks, pressure_maps
+from femstruct.view.figures.maps import draw_map, heard_peaks, line_level, lines_apart, pressure_maps
 from femstruct.view.figures.plots import drawings, figures, plot_all
 from femstruct.view.figures.spectra import frequency_response, sound
 from femstruct.view.figures.vibration import spectrum
@@ -390,12 +390,23 @@ def test_map_shows_the_room_from_above():
     first, second = np.linspace(0, 0.6, 7), np.linspace(0, 0.4, 5)
     spectrum = (np.cos(np.pi * first / 0.6)[None, :, None] * np.ones((1, 1, 5))).astype(complex) * 1j
     drawn = PressureMap("z", 0.05, first, second, np.array([283.0]), spectrum)
-    figure = draw_map(drawn, ["mode 7"], [Receiver("mic", [0.3, 0.2, 0.05])], "box")
+    figure = draw_map(drawn, ["mode 7"], [Receiver("mic", [0.3, 0.2, 0.05])], "box", 0.5)
     axes = figure.axes[0]
     values = axes.images[0].get_array()
     assert values.shape == (5, 7)  # rows along y
     np.testing.assert_allclose(values[0], np.cos(np.pi * first / 0.6), atol=ROUNDING)
-    assert "94 dB" in axes.get_title()  # 1 Pa/Hz
+    assert "91 dB re 20 µPa" in axes.get_title()  # 1 Pa/Hz, lines half a hertz apart: an rms of 1 Pa / sqrt(2)
+    assert "levels of lines 0.5 Hz apart" in figure.texts[0].get_text()
+
+
+def test_a_map_states_the_levels_of_the_spectrum(result):
+    """A line has one level, in the map as in the picture of the spectrum."""
+    heard = result.cases["without damper"].rooms["box"]
+    f, level = level_spectrum(heard.p[0], heard.dt)
+    told = line_level(np.abs(heard.spectrum[0]), lines_apart(heard))
+    np.testing.assert_allclose(heard.frequency_hz[1:-1], f[1:-1], rtol=1e-12)  # rounding
+    loud = level[1:-1] > level.max() - 120.0  # of what is less, rounding is a part
+    np.testing.assert_allclose(told[1:-1][loud], level[1:-1][loud], atol=1e-6)  # dB, rounding
 
 
 def test_units_are_scaled_and_extremes_kept():

@@ -12,7 +12,9 @@ from matplotlib.patheffects import withStroke
 
 from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
 from acoustics.rooms.pressure_maps import PressureMap
+from femstruct.arrays import Floats
 from femstruct.sound.surface import surface_velocity
 from femstruct.study.result import StudyResult
 from femstruct.study.room_surfaces import placed_room
@@ -24,6 +26,7 @@ PROMINENT: Final = 6.0  # dB a peak stands above the valleys beside it
 SILENCE: Final = 1e-6  # share of the loudest line below which there are no peaks, only rounding
 NEAR: Final = 0.02
 COLUMNS: Final = 2  # of panes: what is wider cannot be read on paper
+PHASES: Final = "Re P / max |P|, red and blue of opposite phase"
 RIM: Final = (withStroke(linewidth=2.5, foreground="white"),)  # to be read on any colour
 
 
@@ -41,9 +44,8 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     moving = surface_velocity(case.response, placed_room(plan, model.surfaces))
     height = float(plan.receivers[0].position[2])
     drawn = plan.room.pressure_map(moving, list(frequencies.values()), at=height)
-    return draw_map(
-        drawn, list(frequencies), plan.receivers, f"{result.plan.baseline}: pressure in {room} at z = {height:g} m"
-    )
+    title = f"{result.plan.baseline}: pressure in {room} at z = {height:g} m"
+    return draw_map(drawn, list(frequencies), plan.receivers, title, lines_apart(case.rooms[room]))
 
 
 def no_pressure_map(result: StudyResult, room: str) -> str:
@@ -75,22 +77,41 @@ def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
     return named
 
 
-def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Receiver], title: str) -> Figure:
+def lines_apart(heard: RoomResponse) -> float:
+    """Distance of the lines of a record's spectrum [Hz]."""
+    return float(heard.frequency_hz[1])
+
+
+def line_level(size: Floats, apart_hz: float) -> Floats:
+    """Levels of lines [dB re 20 uPa] with the magnitude |P| [Pa/Hz] of a record's Fourier transform, as spectra have
+    them: the rms of a line is sqrt(2) |P| df.
+
+    >>> float(line_level(np.array([1.0 / np.sqrt(2.0)]), 1.0).round(2)[0])  # 1 Pa
+    93.98
+    """
+    tiny = float(np.finfo(float).tiny)
+    return 20.0 * np.log10(np.maximum(np.sqrt(2.0) * apart_hz * size, tiny) / REFERENCE_PA)
+
+
+def draw_map(
+    drawn: PressureMap, names: Sequence[str], receivers: Sequence[Receiver], title: str, apart_hz: float
+) -> Figure:
     """A pane a frequency: the pressure in phase with its largest value, red compressed and blue rarefied.
 
-    drawn : normal to z. names : one a frequency. The range of the level over the plane stands above each pane.
+    drawn : normal to z. names : one a frequency. The range of the level over the plane stands above each pane; apart_hz
+    : of the lines that have these levels [Hz].
     """
     count = len(drawn.frequency_hz)
     columns = min(count, COLUMNS)
     rows = -(-count // columns)
     width, height = 1.6 + 3.3 * columns, 0.6 + 3.3 * rows
-    figure = new_figure(width, height, f"{title}\nRe P / max |P|, red and blue of opposite phase")
+    figure = new_figure(width, height, f"{title}; levels of lines {apart_hz:.3g} Hz apart\n{PHASES}")
     grid = panels(figure, rows, columns, between=0.9, top=0.95, right=0.85)
     for unused in grid.ravel()[count:]:
         unused.remove()
     images = []
     for axes, spectrum, name in zip(grid.ravel()[:count], drawn.spectrum, names, strict=True):
-        level = 20.0 * np.log10(np.maximum(np.abs(spectrum), np.finfo(float).tiny) / REFERENCE_PA)
+        level = line_level(np.abs(spectrum), apart_hz)
         level = level[np.isfinite(level)]  # nan outside the room
         largest = spectrum.ravel()[np.nanargmax(np.abs(spectrum))]
         shown = np.real(spectrum / largest) if largest else np.zeros(spectrum.shape)
@@ -109,7 +130,7 @@ def draw_map(drawn: PressureMap, names: Sequence[str], receivers: Sequence[Recei
                 receiver.name, receiver.position[:2], (5, 5), textcoords="offset points", fontsize=8, path_effects=RIM
             )  # fmt: skip
         axes.set_aspect("equal")
-        axes.set_title(f"{name}\n{level.min():.0f} to {level.max():.0f} dB re 20 µPa/Hz", fontsize=8)
+        axes.set_title(f"{name}\n{level.min():.0f} to {level.max():.0f} dB re 20 µPa", fontsize=8)
         axes.set_xlabel("x in m")
         axes.tick_params(labelsize=8)
     for axes in grid[:, 0]:

@@ -11,7 +11,6 @@ import numpy as np
 
 from acoustics.arrays import Complexes
 from acoustics.fields.sound_field import SoundField
-from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.receivers import Receiver
 from acoustics.rooms.receiver_grids import RoomGrid
 from femstruct.arrays import Floats
@@ -20,7 +19,7 @@ from femstruct.sound.surface import Motion, surface_velocity
 from femstruct.study.asked import RoomPlan
 from femstruct.study.result import StudyResult
 from femstruct.study.room_surfaces import placed_room
-from femstruct.view.figures.maps import heard_peaks
+from femstruct.view.figures.maps import heard_peaks, line_level, lines_apart
 from femstruct.view.figures.undrawn import no_closed_room
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 from femstruct.view.scenes.scene import add_scales
@@ -54,7 +53,8 @@ def room_pictures(result: StudyResult, folder: str | Path) -> tuple[list[Path], 
             peaks = dict(list(heard_peaks(result, plan.name).items())[:MOST])
             if peaks:
                 paths.append(Path(folder) / file_name("pressure_surfaces", plan.name))
-                picture_surfaces(moving, grid, plan, peaks, paths[-1], result.plan.baseline)
+                apart = lines_apart(case.rooms[plan.name])
+                picture_surfaces(moving, grid, plan, peaks, paths[-1], result.plan.baseline, apart)
             for wanted in plan.animate:
                 word = "pulse" if wanted is None else f"{wanted:g} Hz"
                 paths.append((Path(folder) / file_name("animation", plan.name, word)).with_suffix(".gif"))
@@ -77,11 +77,13 @@ def no_room_pictures(result: StudyResult) -> str:
 
 
 def picture_surfaces(
-    moving: Motion, grid: RoomGrid, plan: RoomPlan, peaks: dict[str, float], path: Path, title: str
+    moving: Motion, grid: RoomGrid, plan: RoomPlan, peaks: dict[str, float], path: Path, title: str, apart_hz: float
 ) -> None:
     """Draw surfaces of equal pressure at some frequencies on one sheet, a pane each, in phase with the largest.
 
-    peaks : {name: frequency [Hz]}. Raises NoOpenGL where VTK cannot draw.
+    peaks : {name: frequency [Hz]}. apart_hz : of the lines of the record's spectrum, whose levels are stated.
+
+    Raises NoOpenGL where VTK cannot draw.
     """
     import pyvista
 
@@ -104,9 +106,11 @@ def picture_surfaces(
             skin = cells.extract_surface(algorithm="dataset_surface")
             plotter.add_mesh(skin, opacity=0.6, lighting=False, **look)
         _furnish(plotter, cells, plan.receivers)
-        level = 20.0 * np.log10(float(np.abs(largest)) / REFERENCE_PA)
+        level = float(line_level(np.abs(largest), apart_hz))
         low, high = float(cells[SHARE].min()), float(cells[SHARE].max())
-        amount = f"largest {level:.0f} dB re 20 µPa/Hz; Re P from {low:.2f} to {high:.2f} of it"
+        amount = (
+            f"largest {level:.0f} dB re 20 µPa (lines {apart_hz:.3g} Hz apart); Re P from {low:.2f} to {high:.2f} of it"
+        )
         words = f"{title}: {plan.name}, {name}\n{amount}"
         plotter.add_text(words, position="upper_left", font_size=9, color="black")
     plotter.set_background("white")
