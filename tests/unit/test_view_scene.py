@@ -4,6 +4,7 @@ import runpy
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib
 import matplotlib.colors
@@ -16,7 +17,7 @@ from femstruct.errors import InputError
 from femstruct.view.scenes import opengl, scene
 from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, VIEW, Label, merged
 from femstruct.view.scenes.opengl import LEFT_OUT, NoOpenGL
-from femstruct.view.scenes.scene import PART_COLOURS, picture_model, shapes_all
+from femstruct.view.scenes.scene import PART_COLOURS, _resting, picture_model, shapes_all
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))
@@ -78,6 +79,15 @@ def test_names_of_one_place_are_one_label():
     given = [Label("foot", at, POINT), Label("tip", far, POINT), Label("clamp", near, SUPPORT), Label("foot", at, MASS)]
     made = merged(given, near=1e-6)
     assert [(label.name, label.colour) for label in made] == [("foot, clamp", SUPPORT), ("tip", POINT)]
+
+
+def test_a_part_that_hardly_moves_does_not_hide_those_that_do():
+    """A deck over a ceiling: in modes of the ceiling it is drawn faintly, in a mode of both it is not."""
+    fine = SimpleNamespace(parts=("deck", "ceiling", "none"), part_of_point=np.array([0, 0, 1, 1]))
+    ceiling, both = np.zeros((4, 3)), np.zeros((4, 3))
+    ceiling[:, 2], both[:, 2] = [0.0, 0.05, 1.0, -0.8], [0.0, 0.3, 1.0, 0.0]
+    assert _resting(fine, ceiling).tolist() == [True, True, False, False]
+    assert not _resting(fine, both).any() and not _resting(fine, np.zeros((4, 3))).any()
 
 
 def test_shapes_and_model_are_drawn(tmp_path):

@@ -90,7 +90,8 @@ def line_level(size: Floats, apart_hz: float) -> Floats:
     93.98
     """
     tiny = float(np.finfo(float).tiny)
-    return 20.0 * np.log10(np.maximum(np.sqrt(2.0) * apart_hz * size, tiny) / REFERENCE_PA)
+    found: Floats = 20.0 * np.log10(np.maximum(np.sqrt(2.0) * apart_hz * size, tiny) / REFERENCE_PA)
+    return found
 
 
 def draw_map(

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
@@ -29,9 +30,14 @@ MOST_TICKS: Final = 5
 THIN: Final = 0.08  # of the largest extent: no room for ticks
 TICKS: Final = 15
 MARGIN: Final = 12  # pixels around a picture of a model
+POINTS: Final = 10  # of words below a shape
+FITTING: Final = 34  # characters of this size in a pane
+LEAST_RATIO: Final = 1e-4  # damping that is told in a picture
 TITLE: Final = 34  # pixels above the panes
 LIFT: Final = 0.12  # of half a pane: a shape stands above its words
 DEFORMATION: Final = 0.06  # largest displacement in a picture, of the diagonal of the structure
+STILL: Final = 0.1  # of the largest displacement: a part that moves less is drawn faintly
+FAINT: Final = 0.15  # opacity
 PART_COLOURS: Final = ("#9ecae1", "#fdae6b", "#636363", "#a1d99b", "#bcbddc", "#e7cb94", "#d6616b", "#8ca252")
 
 
@@ -108,7 +114,7 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     )  # fmt: skip
     meaning = (
         "displacement along the axis named, over the largest of the mode, "
-        f"which is drawn as {100 * DEFORMATION:.0f} % of the structure's diagonal"
+        f"which is drawn as {100 * DEFORMATION:.0f} % of the structure's diagonal; parts that hardly move are pale"
     )
     rest = _mesh(fine, fine.points)
     edges = rest  # of bars alone; of faces their boundary and folds
@@ -119,11 +125,29 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     for place, mode in enumerate(modes):
         plotter.subplot(place // columns + 1, place % columns)
         direction = _draw_mode(plotter, fine, edges, moved[:, :, place])
-        ratio = f"damping {100.0 * basis.damping_ratio[mode]:.2g} %" if WOOL not in basis.holders else "without losses"
+        ratio = _damping(float(basis.damping_ratio[mode])) if WOOL not in basis.holders else "without losses"
         words = f"{mode + 1}:  {basis.frequency_hz[mode]:.2f} Hz,  {ratio},  {direction}"
-        plotter.add_text(words, position=(10, 8), font_size=10, color="black")
+        plotter.add_text(words, position=(10, 8), font_size=_font_size(words), color="black")
     plotter.set_background("white")
     save_scene(plotter, path, drawn=lambda image: draw_colours(image, title, meaning))
+
+
+def _damping(ratio: float) -> str:
+    """A damping ratio in words that a pane has room for.
+
+    >>> _damping(0.0112), _damping(3.3e-7), _damping(0.0)
+    ('damping 1.1 %', 'damping < 0.01 %', 'damping 0 %')
+    """
+    return "damping < 0.01 %" if 0.0 < ratio < LEAST_RATIO else f"damping {100.0 * ratio:.2g} %"
+
+
+def _font_size(words: str) -> int:
+    """Points of words that fit into a pane.
+
+    >>> _font_size("9:  104.55 Hz,  damping 1 %,  y"), _font_size("12:  10145.25 Hz,  damping < 0.01 %,  x")
+    (10, 8)
+    """
+    return min(POINTS, POINTS * FITTING // len(words))
 
 
 def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Path) -> None:
@@ -208,19 +232,32 @@ def _draw_mode(plotter: Any, fine: Refined, edges: Any, moved: Floats) -> str:
     diagonal = float(np.linalg.norm(np.ptp(fine.points, axis=0)))
     largest = float(np.linalg.norm(moved, axis=1).max())
     axis = int((moved**2).sum(axis=0).argmax())
-    mesh = _mesh(fine, fine.points + moved * (DEFORMATION * diagonal / largest if largest else 0.0))
-    mesh["displacement"] = moved[:, axis] / largest if largest else moved[:, axis]
     if edges.n_points:  # a ball has none
         plotter.add_mesh(edges, color="#b0b0b0", line_width=1)
-    plotter.add_mesh(
-        mesh, scalars="displacement", cmap="coolwarm", clim=(-1.0, 1.0), show_scalar_bar=False, line_width=3,
-        smooth_shading=False,
-    )  # fmt: skip
+    points = fine.points + moved * (DEFORMATION * diagonal / largest if largest else 0.0)
+    resting = _resting(fine, moved)
+    for own, opacity in ((~resting, 1.0), (resting, FAINT)):
+        mesh = _mesh(fine, points, own)
+        if mesh.n_cells:
+            mesh["displacement"] = moved[:, axis] / largest if largest else moved[:, axis]
+            plotter.add_mesh(
+                mesh, scalars="displacement", cmap="coolwarm", clim=(-1.0, 1.0), show_scalar_bar=False, line_width=3,
+                smooth_shading=False, opacity=opacity,
+            )  # fmt: skip
     plotter.view_isometric()
     plotter.enable_parallel_projection()
     plotter.camera.zoom(0.95)
     plotter.camera.SetWindowCenter(0.0, -LIFT)
     return "xyz"[axis]
+
+
+def _resting(fine: Refined, moved: Floats) -> NDArray[np.bool_]:
+    """Points of parts that hardly move in a mode [n]: a deck at rest would hide the ceiling that moves below it."""
+    size = np.linalg.norm(moved, axis=1)
+    largest = np.array([size[fine.part_of_point == number].max(initial=0.0) for number in range(len(fine.parts))])
+    still = largest < STILL * size.max(initial=0.0)
+    found: NDArray[np.bool_] = still[fine.part_of_point] if len(still) else np.zeros(len(size), dtype=bool)
+    return found
 
 
 def _mesh(fine: Refined, points: Floats, own: Any = None) -> Any:
