@@ -18,7 +18,7 @@ from acoustics.levels.sound_levels import level_spectrum, response_levels
 from acoustics.receivers import Receiver
 from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.modal.analytic import given_modes
-from femstruct.study.asked import RoomPlan
+from femstruct.study.asked import RoomPlan, TimePlan
 from femstruct.study.result import Channel
 from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
 from femstruct.view.figures.histories import contact_forces, energy, history, travels
@@ -83,6 +83,17 @@ def test_legend_tells_both_peaks_and_the_filter(result):
     channel = result.cases[BESIDE].channels["O_f.z velocity"]
     assert f"{1e3 * channel.whole:.4g} mm/s in all" in labels[1] or f"{channel.whole:.4g} m/s in all" in labels[1]
     assert "no filter" in figure.texts[0].get_text()
+    assert all(" in the first impact (20 ms), " in label for label in labels)
+
+
+def test_bodies_that_do_not_fall_back_are_drawn_without_gravity(result):
+    falling = {
+        name: replace(case, case=replace(case.case, study=replace(case.case.study, time=TimePlan(0.1, 1e4, True))))
+        for name, case in result.cases.items()
+    }
+    assert not any(case.case.study.time.gravity for case in result.cases.values())
+    assert travels(result).texts[0].get_text().endswith("(without gravity)")
+    assert "gravity" not in travels(replace(result, cases=falling)).texts[0].get_text()
 
 
 def test_history_shows_the_values_it_was_given(result):

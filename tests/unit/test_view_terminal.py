@@ -9,8 +9,10 @@ import pytest
 from rich.console import Console
 
 from femstruct.errors import Finding
+from femstruct.study.asked import PeakRule
 from femstruct.view.tables import structure_tables as structure
 from femstruct.view.tables import terminal
+from femstruct.view.tables.accuracy_table import first_impact
 from femstruct.view.tables.energy_table import energies
 from femstruct.view.tables.grid import Grid
 
@@ -170,7 +172,14 @@ def test_without_contacts_there_is_no_first_impact():
     grid = table(replace(result, cases=cases), "peaks")
     assert grid.title == "peaks: whole window (no filter)"
     assert not any("/" in cell for row in grid.rows for cell in row[1:])
-    assert "first impact / whole" in table(result, "peaks").title
+    assert "first impact (20 ms) / whole" in table(result, "peaks").title
+    until = {
+        name: replace(case, case=replace(case.case, study=replace(case.case.study, peaks=PeakRule(first_impact=None))))
+        for name, case in result.cases.items()
+    }
+    assert "first impact (until a contact closes again) / whole" in table(replace(result, cases=until), "peaks").title
+    mixed = {**result.cases, "another": next(iter(until.values()))}
+    assert first_impact(replace(result, cases=mixed)) == ""
 
 
 def test_peaks_that_are_rounding_beside_others_are_0():

@@ -16,7 +16,7 @@ from femstruct.impact.result.shares import held_over_time
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, new_figure, panels, thinned
 from femstruct.view.figures.undrawn import no_energy
-from femstruct.view.tables.accuracy_table import anything_meets
+from femstruct.view.tables.accuracy_table import anything_meets, first_impact
 from femstruct.view.tables.finding_lines import doubted
 from femstruct.view.tables.scales import digits, scaled
 
@@ -45,10 +45,11 @@ def history(result: StudyResult, channel: str) -> Figure:
     first = next(iter(cases.values())).channels[channel]
     met = anything_meets(result)
     factor, unit = scaled(first.unit, max(case.channels[channel].whole for case in cases.values()))
+    impact = f"in the first impact{first_impact(result)}"
     doubts = {name: found[channel] for name, case in cases.items() if channel in (found := unquotable(case))}
     legend = {
         name: f"{name}: peak "
-        + (f"{digits(factor * case.channels[channel].first_impact)} {unit} in the first impact, " if met else "")
+        + (f"{digits(factor * case.channels[channel].first_impact)} {unit} {impact}, " if met else "")
         + f"{digits(factor * case.channels[channel].whole)} {unit} in all"
         + (" ?" if name in doubts else "")
         for name, case in cases.items()
@@ -84,13 +85,19 @@ def travels(result: StudyResult) -> Figure | None:
     """Displacement of all bodies since the start, a row each; None without bodies."""
     return _rows_of(
         result,
-        "Displacement of the bodies",
+        f"Displacement of the bodies{_weightless(result)}",
         "m",
         {
             case: {f"displacement of {name}": (body.displacement, _ending(body)) for name, body in r.bodies.items()}
             for case, r in _responses(result).items()
         },
     )
+
+
+def _weightless(result: StudyResult) -> str:
+    """That bodies do not fall back, in brackets; "" where any case has gravity."""
+    times = [case.case.study.time for case in result.cases.values()]
+    return "" if any(time is None or time.gravity for time in times) else " (without gravity)"
 
 
 def energy(result: StudyResult) -> Figure | None:

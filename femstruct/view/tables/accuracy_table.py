@@ -19,6 +19,15 @@ def anything_meets(result: StudyResult) -> bool:
     return any(case.response.contacts for case in result.cases.values() if case.response is not None)
 
 
+def first_impact(result: StudyResult) -> str:
+    """How long the first impact is whose peaks are told, in brackets; "" where cases differ."""
+    rules = {case.case.study.peaks.first_impact for case in result.cases.values()}
+    if len(rules) > 1:
+        return ""
+    window = rules.pop()
+    return " (until a contact closes again)" if window is None else f" ({1e3 * window:.4g} ms)"
+
+
 def outcomes(result: StudyResult) -> list[str]:
     """How the cases ended, those that ended alike on one line."""
     return _together(

@@ -14,7 +14,7 @@ from femstruct.errors import some_of
 from femstruct.files.tables.finding_tables import findings_by_case, unquotable
 from femstruct.reported import reported
 from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
-from femstruct.view.tables.accuracy_table import anything_meets, outcomes, trust
+from femstruct.view.tables.accuracy_table import anything_meets, first_impact, outcomes, trust
 from femstruct.view.tables.answer_tables import evaluations, fatigue, harmonic, moved_masses, random, stresses
 from femstruct.view.tables.array_table import arrays
 from femstruct.view.tables.blow_table import blows
@@ -109,7 +109,7 @@ def other_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 
 def _peaks(result: StudyResult) -> Grid:
-    told = "first impact / whole window" if anything_meets(result) else "whole window"
+    told = f"first impact{first_impact(result)} / whole window" if anything_meets(result) else "whole window"
     changed = any(not one.converged for beside in result.comparison.cases.values() for one in beside.peaks.values())
     codes = [code for case in result.cases.values() for code in unquotable(case).values()]
     told_of = doubted([*codes, *(["change-not-converged"] if changed else [])], "; ")
