@@ -29,7 +29,8 @@ Workers = Annotated[int, typer.Option("--workers", metavar="N", min=0, help="pro
 Cluster = Annotated[str, typer.Option("--cluster", metavar="ADDRESS", help="of a Dask scheduler")]
 NumbersOnly = Annotated[bool, typer.Option("--no-pictures", help="numbers and tables only")]
 WithoutPictures = Annotated[
-    bool, typer.Option("--no-pictures", help="numbers, tables and sound only, in half the time")
+    bool,
+    typer.Option("--no-pictures", help="numbers, tables and sound only, in half the time; removes earlier pictures"),
 ]
 OutputHere = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder", show_default="here")]
 NONE: Final[list[str]] = []  # typer gives each call a list of its own

@@ -26,7 +26,7 @@ from femstruct.view.report import write_report
 from femstruct.workflow.progress import Progress
 from femstruct.workflow.run.provenance import Stopwatch, inputs_of
 
-NO_PICTURES: Final = "Pictures left out, because of --no-pictures."
+NO_PICTURES: Final = "Pictures left out, because of --no-pictures; 'femstruct report RESULTS' draws them."
 NAMED: Final = 4  # files of those that are removed
 
 
