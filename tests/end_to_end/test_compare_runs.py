@@ -16,7 +16,7 @@ from femstruct.study.result import Channel, StudyResult
 from femstruct.view.report import report
 from femstruct.view.tables.machine_table import machine
 from femstruct.workflow.compare.finished import beside, names_of
-from femstruct.workflow.compare.input_files import differences
+from femstruct.workflow.compare.input_files import _between, _File, differences
 from femstruct.workflow.run.run import run_study
 from tests.data.command_line import femstruct
 
@@ -103,6 +103,17 @@ def test_what_runs_were_set_to_is_listed_and_what_cases_change_is_not(tmp_path: 
     assert "modes are compared up to 2500 Hz" in page
     assert "modes are compared up to 2500 Hz" in str(summary(whole)["comparison"]["b: one"]["notes"])
     assert not any("was run with" in line for line in differences({"w": whole, "a": runs["a"]}))
+
+
+def test_lines_of_a_block_are_listed_one_by_one_and_a_long_block_is_cut() -> None:
+    """Files with little in common had up to eight lines of YAML in one."""
+    mine = _File("m.yaml", "".join(f"part {i}: {{type: plate, thickness: {i} mm}}\n" for i in range(1, 5)), {}, {})
+    theirs = replace(mine, text=mine.text.replace(" mm}", " cm}"))
+    told = list(_between(mine, theirs))
+    assert [line.partition(":")[2].partition(":")[0] for line in told] == ["1", "2", "3", "4"]
+    assert told[2] == "m.yaml:3: part 3: {type: plate, thickness: 3 mm} -> part 3: {type: plate, thickness: 3 cm}"
+    (told_of,) = _between(mine, replace(mine, text="other: 1\n"))
+    assert told_of.endswith(" .. -> other: 1") and len(told_of) < 160
 
 
 def test_blocks_of_sweeps_are_named_and_not_listed(tmp_path: Path) -> None:

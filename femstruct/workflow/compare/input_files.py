@@ -14,6 +14,7 @@ from femstruct.study.study import Plan
 
 MOST: Final = 40  # lines of differences for each file
 LINES: Final = 4  # of the files in one of them
+LONGEST: Final = 120  # characters of several of them
 OF_CAMPAIGNS: Final = ("vary", "samples", "optimise")  # blocks of a study that a run does not read
 STUDY, MODEL, OTHER = "study", "model", "other"
 
@@ -123,8 +124,8 @@ def _between(one: _File, other: _File) -> Iterator[str]:
     matcher = difflib.SequenceMatcher(None, mine, theirs, autojunk=False)
     found = [
         f"{named}:{_line(rows[0], start, one)}: {_cut(rows[0][start:end])} -> {_cut(rows[1][begin:stop])}"
-        for tag, start, end, begin, stop in matcher.get_opcodes()
-        if tag != "equal"
+        for tag, *ends in matcher.get_opcodes()
+        for start, end, begin, stop in (_line_by_line(*ends) if tag != "equal" else ())
     ]
     yield from found[:MOST]
     if len(found) > MOST:
@@ -132,6 +133,18 @@ def _between(one: _File, other: _File) -> Iterator[str]:
     unread = [key for key in OF_CAMPAIGNS if one.kind == STUDY and one.value.get(key) != other.value.get(key)]
     if unread:
         yield f"{named}: other blocks, which a run does not read: {', '.join(unread)}"
+
+
+def _line_by_line(start: int, end: int, begin: int, stop: int) -> Iterator[tuple[int, int, int, int]]:
+    """A block that is replaced by one of as many lines, line by line; any other as it is.
+
+    >>> list(_line_by_line(4, 6, 5, 7)), list(_line_by_line(4, 6, 5, 6))
+    ([(4, 5, 5, 6), (5, 6, 6, 7)], [(4, 6, 5, 6)])
+    """
+    if end - start != stop - begin:
+        yield start, end, begin, stop
+    else:
+        yield from ((start + i, start + i + 1, begin + i, begin + i + 1) for i in range(end - start))
 
 
 def _rows(file: _File) -> list[tuple[int, str]]:
@@ -146,6 +159,13 @@ def _line(rows: Sequence[tuple[int, str]], start: int, file: _File) -> int:
 
 
 def _cut(rows: Sequence[tuple[int, str]]) -> str:
-    """Some lines of a file as one, of many the first."""
-    told = [text.strip() for _, text in rows[:LINES]] + ([f"(and {len(rows) - LINES} more)"] if rows[LINES:] else [])
-    return " | ".join(told) or "(nothing)"
+    """Some lines of a file as one, of many the beginning.
+
+    >>> _cut([(1, "a: 1"), (2, "  b: 2")]), _cut([]), len(_cut([(1, 300 * "a"), (2, "b")])) < 140
+    ('a: 1 | b: 2', '(nothing)', True)
+    """
+    told = " | ".join(text.strip() for _, text in rows[:LINES])
+    if len(rows) > 1 and len(told) > LONGEST:
+        told = f"{told[:LONGEST]} .."
+    more = f" (and {len(rows) - LINES} more lines)" if rows[LINES:] else ""
+    return f"{told}{more}" if rows else "(nothing)"
