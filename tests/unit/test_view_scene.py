@@ -15,7 +15,7 @@ import pytest
 from femstruct import read_model
 from femstruct.errors import InputError
 from femstruct.view.scenes import opengl, scene
-from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, VIEW, Label, merged
+from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, VIEW, Label, apart, merged, runs
 from femstruct.view.scenes.opengl import LEFT_OUT, NoOpenGL
 from femstruct.view.scenes.scene import PART_COLOURS, _resting, picture_model, shapes_all
 
@@ -79,6 +79,19 @@ def test_names_of_one_place_are_one_label():
     given = [Label("foot", at, POINT), Label("tip", far, POINT), Label("clamp", near, SUPPORT), Label("foot", at, MASS)]
     made = merged(given, near=1e-6)
     assert [(label.name, label.colour) for label in made] == [("foot, clamp", SUPPORT), ("tip", POINT)]
+
+
+def test_names_give_way_up_and_down_and_lists_have_one():
+    """Names at one place stood in a tower as high as there are names."""
+    low, high, at = np.zeros(3), np.full(3, 2.0), np.ones(3)
+    names = [Label(name, at, POINT) for name in ("pump", "motor", "seat", "tip", "anvil")]
+    moved = np.array([VIEW[1] @ (label.place - at) for label in apart(names, low, high)])
+    assert moved[0] == 0.0 and (moved > 0).sum() == (moved < 0).sum() == 2
+    assert np.diff(np.sort(moved)).min() > 0.0 and np.abs(moved).max() < 3.0 * np.diff(np.sort(moved)).min()
+    feet = [Label(f"feet.{i}", at + 0.02 * (i - 1) * np.array([1.0, -1.0, 0.0]), POINT) for i in range(1, 6)]
+    away = at + np.array([-1.0, 1.0, 0.0])
+    far, other = Label("feet.6", away, POINT), Label("feet.7", away, SUPPORT)
+    assert [label.name for label in runs([*feet, far, other], low, high)] == ["feet.1 to 5", "feet.6", "feet.7"]
 
 
 def test_a_part_that_hardly_moves_does_not_hide_those_that_do():
@@ -161,4 +174,4 @@ def test_what_is_not_drawn_has_no_legend_and_what_gives_way_has_a_line(tmp_path,
     assert [name for name, _ in told] == ["plate", "points", "supports"]
     (leader,) = lines
     np.testing.assert_allclose(leader[0], [0.501, 0.5, 0.0], atol=1e-12)  # rounding
-    assert VIEW[1] @ (leader[1] - leader[0]) > 0.0  # upwards in the view
+    assert abs(VIEW[0] @ (leader[1] - leader[0])) < 1e-9 < abs(VIEW[1] @ (leader[1] - leader[0]))  # up or down in view

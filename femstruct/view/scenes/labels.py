@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Any, Final
 
 import numpy as np
@@ -78,6 +79,7 @@ def add_labels(
     box = tuple(plotter.bounds)
     low, high = np.reshape(box, (3, 2)).T
     named = merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0))))
+    named = runs(named, low, high)
     for before, label in zip(named, apart(named, low, high), strict=True):
         if (label.place != before.place).any():
             plotter.add_lines(np.stack([before.place, label.place]), color=label.colour, width=1)
@@ -112,8 +114,48 @@ def merged(labels: Sequence[Label], near: float) -> list[Label]:
     ]
 
 
+def runs(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
+    """Labels of the places of one list that follow each other and would cover each other as one, at the first of them.
+
+    low, high [3] : as of `apart`.
+
+    >>> right = np.array([-1.0, 1.0, 0.0])  # in the view
+    >>> feet = [Label(f"feet.{i}", at * right, POINT) for i, at in enumerate((0.0, 0.02, 0.04, 0.9), 1)]
+    >>> [label.name for label in runs(feet, np.zeros(3), np.full(3, 2.0))]
+    ['feet.1 to 3', 'feet.4']
+    """
+    width, height = _letter(low, high)
+    groups: list[list[Label]] = []
+    for label in labels:
+        before = groups[-1][-1] if groups else None
+        if before is not None and _follows(before, label):
+            across, up = np.abs(VIEW @ (label.place - before.place))
+            if across < width * len(before.name) and up < height:
+                groups[-1].append(label)
+                continue
+        groups.append([label])
+    return [
+        first if first is last else Label(f"{first.name} to {last.name.rpartition('.')[2]}", first.place, first.colour)
+        for first, last in ((group[0], group[-1]) for group in groups)
+    ]
+
+
+def _follows(before: Label, label: Label) -> bool:
+    """Whether a label is of the next place of the list of another: "feet.2" after "feet.1"."""
+    (one, _, number), (other, _, following) = before.name.rpartition("."), label.name.rpartition(".")
+    alike = one and one == other and before.colour == label.colour and number.isdecimal() and following.isdecimal()
+    return bool(alike) and int(following) == int(number) + 1
+
+
+def _letter(low: Floats, high: Floats) -> Floats:
+    """Width and height of a letter in a picture of a box [2] [m]."""
+    corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3) @ VIEW.T
+    size: Floats = np.ptp(corners, axis=0).max() * np.array(CHARACTER)
+    return size
+
+
 def apart(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
-    """Labels that would cover an earlier one, moved up until they cover none.
+    """Labels that would cover an earlier one, moved up, or down where that is less, until they cover none.
 
     low, high [3] : the box of all that is drawn [m], whose height in the picture tells the size of a letter.
 
@@ -122,15 +164,15 @@ def apart(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
     >>> first.place.tolist(), bool(VIEW[1] @ second.place > 0.0), round(float(VIEW[0] @ second.place), 12)
     ([0.0, 0.0, 0.0], True, 0.0)
     """
-    corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3) @ VIEW.T
-    width, height = np.ptp(corners, axis=0).max() * np.array(CHARACTER)
+    width, height = _letter(low, high)
     placed: list[Label] = []
     taken: list[tuple[float, float, float]] = []
     for label in labels:
         x, y = VIEW @ label.place
-        end, up = x + width * len(label.name), 0.0
-        while any(x < right and left < end and abs(y + up - at) < height for left, right, at in taken):
-            up += 0.25 * height
+        end = x + width * (len(label.name) + 1)  # with its margins
+        beside = [at for left, right, at in taken if x < right and left < end]
+        steps = (sign * 0.25 * height * step for step in count() for sign in (1.0, -1.0))
+        up = next(one for one in steps if all(abs(y + one - at) >= height for at in beside))
         taken.append((x, end, y + up))
         placed.append(Label(label.name, label.place + up * VIEW[1], label.colour))
     return placed

@@ -27,6 +27,7 @@ PANE: Final = (340, 300)  # pixels of one mode
 DIVISIONS: Final = 3
 ALONG: Final = 8  # pieces of a bar, which is curved more than a cell of a plate
 MOST_TICKS: Final = 5
+HALVES: Final = 1e-9  # so that -0.1425 and 0.1425 are rounded alike, away from 0
 THIN: Final = 0.08  # of the largest extent: no room for ticks
 TICKS: Final = 15
 MARGIN: Final = 12  # pixels around a picture of a model
@@ -217,10 +218,13 @@ def _rounded(start: float, end: float, count: int, decimals: int) -> tuple[int, 
 
     >>> _rounded(0.0, 0.4, 4, 3), _rounded(0.0, 0.6, 5, 3)
     ((5, ['0.1', '0.2', '0.3']), (4, ['0.2', '0.4']))
+    >>> _rounded(-0.285, 0.285, 5, 3)
+    (5, ['-0.143', '0.000', '0.143'])
     """
     found = []
     for number in (count, count + 1, count - 1):
-        inner = [f"{at:.{decimals}f}" for at in np.linspace(start, end, number)[1:-1]]
+        between = (1.0 + HALVES) * np.linspace(start, end, number)[1:-1]
+        inner = [f"{at:z.{decimals}f}" for at in between]
         while inner and decimals and all(tick.endswith("0") and "." in tick for tick in inner):
             inner = [tick[:-1].removesuffix(".") for tick in inner]
         found.append((number, inner))
