@@ -194,7 +194,7 @@ def test_export_writes_what_the_nouns_say(folder: Path, tmp_path: Path, unsolved
     assert code == 0 and [Path(path).name for path in paths[:2]] == ["out.third_octaves.csv", "out.ratings.csv"]
     with Path(paths[0]).open(encoding="utf-8-sig", newline="") as file:
         head, *rows = csv.reader(file)
-    assert head[:2] == ["band_hz", "as it is: bedroom.mic.1 bands_db"] and len(head) == 1 + 2 * 2
+    assert head[:2] == ["band_hz", "as it is: bedroom.mic.1 bands_db (L_Fmax)"] and len(head) == 1 + 2 * 2
     levels = result.cases["thick"].levels["bedroom.mic.2"].bands_db
     assert [float(row[0]) for row in rows] == list(levels)
     found = {float(row[0]): float(row[4]) if row[4] else None for row in rows}
