@@ -113,7 +113,7 @@ def test_every_reader_marks_them(result: StudyResult, tmp_path: Path, capsys: py
         rows = list(csv.reader(file))
     assert rows[0][1] == "as given: bedroom bands_db (L'_i,Fmax,V,T)"
     heads = {sheet.name: sheet.columns for sheet in sheets(result)}
-    assert heads["third octaves"][1] == "as given: bedroom.mic bands_db (L_Fmax)"
+    assert heads["third octaves"][1] == "as given: bedroom.mic.1 bands_db (L_Fmax)"
     assert heads["octaves"][1].endswith(" octaves_db (L_Fmax)") and heads["exposures"][1].endswith(" exposure_db (L_E)")
     assert heads["findings"][0] == "code" and len(set(heads["findings"])) == len(heads["findings"])
     assert rows[0][2].endswith("bands_from") and rows[-1][2] == "statistical" and rows[1][2] == "modes"
