@@ -14,6 +14,7 @@ from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
 from femstruct.impact.engine.motion import sampled_motion
 from femstruct.impact.estimate import ErrorEstimate, Resolved
+from femstruct.impact.evaluations.known_evaluations import EVALUATIONS
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.result.response import (
     BodyHistory,
@@ -244,6 +245,7 @@ def study_by_hand(duration=0.25, sampling=4800.0, save_modal=True, tag=1.0):
                 {"ball on floor": Resolved(factor * 200.0, float("inf"), factor * 200.0)},
                 {"ball": Resolved(1.2, 1e-9, 2.1)},
             ),
+            evaluations={key: {} for key in EVALUATIONS},
         )
     compared = CaseComparison(
         {"O_f.z velocity": PeakChange(-50.0, None)},

@@ -13,7 +13,7 @@ from femstruct.errors import InputErrors
 from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
-from femstruct.view.figures.histories import energy
+from femstruct.view.figures.energy_over_time import energy
 from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.output import write_all
 from femstruct.workflow.run.run import run_study

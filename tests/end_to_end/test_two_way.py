@@ -18,7 +18,7 @@ from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.model.probe import Probe
 from femstruct.study.result import StudyResult
-from femstruct.view.figures.histories import energy as energy_figure
+from femstruct.view.figures.energy_over_time import energy as energy_figure
 from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.run.run import run_study, without_rooms
 

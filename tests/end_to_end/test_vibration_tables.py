@@ -11,7 +11,7 @@ import pytest
 from femstruct import Material, Plate, Structure, mesh_structure, read_study, run_study
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer
 from femstruct.study.result import LargestStress, StudyResult
-from femstruct.view.figures.histories import energy
+from femstruct.view.figures.energy_over_time import energy
 from femstruct.view.figures.shaken_figures import vibration_answer
 from femstruct.view.scenes.labels import VIEW
 from femstruct.view.scenes.opengl import NoOpenGL

@@ -33,6 +33,7 @@ def test_layout_is_the_documented_one(result):
         "blows",
         "drops",
         "shock_spectra",
+        "perception",
         "vibration",
         "sources",
         "fatigue",

@@ -21,7 +21,8 @@ from femstruct.modal.analytic import given_modes
 from femstruct.study.asked import RoomPlan, TimePlan
 from femstruct.study.result import Channel
 from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
-from femstruct.view.figures.histories import contact_forces, energy, history, travels
+from femstruct.view.figures.energy_over_time import energy
+from femstruct.view.figures.histories import contact_forces, history, travels
 from femstruct.view.figures.maps import draw_map, heard_peaks, line_level, lines_apart, pressure_maps
 from femstruct.view.figures.plots import drawings, figures, plot_all
 from femstruct.view.figures.spectra import frequency_response, sound

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from femstruct.arrays import Floats
 from femstruct.files.tables.finding_tables import unquotable
-from femstruct.impact.result.response import BodyHistory, EnergyLedger, Response
-from femstruct.impact.result.shares import held_over_time
+from femstruct.impact.result.response import BodyHistory, Response
 from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.figures.drawing import case_lines, finish, legend_above, new_figure, panels, thinned
-from femstruct.view.figures.undrawn import no_energy
 from femstruct.view.tables.accuracy_table import anything_meets, first_impact
 from femstruct.view.tables.finding_lines import doubted
 from femstruct.view.tables.scales import digits, scaled
@@ -29,12 +26,6 @@ FEWEST: Final = 10  # samples in a panel
 MARGIN: Final = 0.01  # of the whole window, shown before its start: what begins with a peak is not under the axis
 LEGIBLE: Final = 0.1  # of a unit: numbers are read in the unit of the whole window down to this
 RESTING: Final = 1e-6  # of its largest speed: a body that is told to be at rest
-HELD_COLOURS: Final = {"bodies": "#0072b2", "structure": "#009e73", "contacts, links": "#e69f00"}
-LONG: Final = 2.0  # s: beyond it milliseconds have too many digits
-BESIDE_COLOURS: Final = ("#56b4e9", "#cc79a7", "#f0e442")  # of what holds energy of the modes beside the structure
-LOST_COLOURS: Final = ("#e7b5ce", "#bcdff5", "#eab38a", "#f7f0a8", "#c9b8dd")  # pale: what is lost no longer moves
-NOBODYS_COLOUR: Final = "#dddddd"  # of losses in the structure and all that is too little to be named
-NAMED: Final = 0.01  # share of what was put in, from which on a loss has a colour of its own
 
 Row = tuple[str, str, Mapping[str, tuple[Floats, Floats]], Mapping[str, str]]  # ylabel, unit, by case (t, y), legend
 
@@ -76,7 +67,7 @@ def contact_forces(result: StudyResult) -> Figure | None:
                 for name, contact in r.contacts.items()
                 if f"{name} force" not in recorded
             }
-            for case, r in _responses(result).items()
+            for case, r in responses(result).items()
         },
     )
 
@@ -89,7 +80,7 @@ def travels(result: StudyResult) -> Figure | None:
         "m",
         {
             case: {f"displacement of {name}": (body.displacement, _ending(body)) for name, body in r.bodies.items()}
-            for case, r in _responses(result).items()
+            for case, r in responses(result).items()
         },
     )
 
@@ -98,47 +89,6 @@ def _weightless(result: StudyResult) -> str:
     """That bodies do not fall back, in brackets; "" where any case has gravity."""
     times = [case.case.study.time for case in result.cases.values()]
     return "" if any(time is None or time.gravity for time in times) else " (without gravity)"
-
-
-def energy(result: StudyResult) -> Figure | None:
-    """The ledger of every case, stacked: bodies, structure, contacts and links, what each contact and link took, other
-    losses; up to what was put in.
-
-    With two-way coupling, rooms and compliant walls stand beside the structure.
-    """
-    if no_energy(result):
-        return None
-    responses = _responses(result)
-    holders = dict.fromkeys(name for response in responses.values() for name in response.basis.holders)
-    beside = [name for name in holders if name != "structure"]
-    takers = _takers([response.ledger for response in responses.values()])
-    above = 0.17 * ((len(beside) + len(takers) + 4) // 5)  # inches of further rows of the legend
-    figure = new_figure(10.0, 1.25 + above + 2.3 * len(responses), "Energy over time")
-    zooms = {name: _zoom(result, float(response.t[-1])) for name, response in responses.items()}
-    columns = 2 if any(_apart(zooms[name], float(response.t[-1])) for name, response in responses.items()) else 1
-    grid = panels(figure, len(responses), columns, between=0.75, top=0.8 + above, sharey="row")
-    for row, (name, response) in zip(grid, responses.items(), strict=True):
-        ledger = response.ledger
-        factor, unit = scaled("J", float(_input(ledger).max()))
-        whole = float(ledger.t[-1])
-        time, time_unit = scaled_time(whole if whole > LONG or columns == 1 else zooms[name])  # one for both panels
-        for axes, end in zip(row, (zooms[name], whole)[-columns:], strict=True):
-            _stack(axes, response, (factor, time), end, beside, takers)
-            finish(axes, f"time in {time_unit}", "")
-            axes.set_xlim(0.0, time * end)
-            axes.set_ylim(0.0, 1.08 * factor * float(_input(ledger).max()) or 1.0)
-        row[0].set_ylabel(f"energy in {unit}")
-        row[0].set_title(f"{name}   (ledger residual {ledger.residual:.1e})", fontsize=9, loc="left")
-    grid[0, -1].legend(
-        fontsize=8,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
-        borderaxespad=2.2,  # above the titles of the panels
-        frameon=False,
-        ncols=4 if beside else 5,
-        columnspacing=1.0,
-    )
-    return figure
 
 
 def _amount(unit: str, value: float) -> str:
@@ -168,64 +118,6 @@ def scaled_time(end: float) -> tuple[float, str]:
     return (1e3, "ms") if end < 0.5 else (1.0, "s")
 
 
-def _losses(ledger: EnergyLedger) -> dict[str, Floats]:
-    """What contacts and links took until now [m] [J]; an array of contacts, "NAME.1" and on, as one."""
-    taken: dict[str, Floats] = {}
-    for name, lost in (*ledger.lost_contacts.items(), *ledger.lost_links.items()):
-        array = name.rpartition(".")[0] or name
-        taken[array] = taken[array] + lost if array in taken else lost
-    return taken
-
-
-def _takers(ledgers: Sequence[EnergyLedger]) -> tuple[str, ...]:
-    """The contacts and links that take most, as many as there are colours, in their own order."""
-    share: dict[str, float] = {}
-    for ledger in ledgers:
-        for name, lost in _losses(ledger).items():
-            share[name] = max(share.get(name, 0.0), float(lost[-1] / max(_input(ledger)[-1], np.finfo(float).tiny)))
-    most = sorted(share, key=lambda name: -share[name])[: len(LOST_COLOURS)]
-    return tuple(name for name in share if name in most and share[name] >= NAMED)
-
-
-def _stack(
-    axes: Axes, response: Response, by: tuple[float, float], end: float, beside: Sequence[str], takers: Sequence[str]
-) -> None:
-    factor, scale = by  # of energies and of times
-    ledger, t = response.ledger, np.linspace(0.0, end, 500)
-    bodies = np.sum(list(ledger.bodies.values()), axis=0) if ledger.bodies else np.zeros_like(ledger.t)
-    structure, none = np.interp(t, ledger.t, ledger.structure), np.zeros_like(t)
-    held, taken = held_over_time(response, t), _losses(ledger)
-    lost = {f"lost in {name}": np.interp(t, ledger.t, taken[name]) if name in taken else none for name in takers}
-    rest = np.interp(t, ledger.t, ledger.dissipated) - np.sum(list(lost.values()), axis=0)
-    layers = {
-        "bodies": np.interp(t, ledger.t, bodies),
-        "structure": held.get("structure", structure),
-        **{name: held.get(name, none) for name in beside},
-        "contacts, links": np.interp(t, ledger.t, ledger.stored),
-        **lost,
-        "lost elsewhere" if takers else "dissipated": rest,
-    }
-    colours = {
-        **{name: BESIDE_COLOURS[i % len(BESIDE_COLOURS)] for i, name in enumerate(beside)},
-        **HELD_COLOURS,
-        **dict(zip(lost, LOST_COLOURS, strict=False)),
-    }
-    axes.stackplot(
-        scale * t,
-        [factor * layer for layer in layers.values()],
-        labels=list(layers),
-        colors=[colours.get(name, NOBODYS_COLOUR) for name in layers],
-        linewidth=0,
-    )
-    axes.plot(scale * t, factor * np.interp(t, ledger.t, _input(ledger)), "k--", linewidth=1.0, label="put in")
-
-
-def _input(ledger: EnergyLedger) -> Floats:
-    """Energy at the start and what work and blows brought since [nt] [J]."""
-    put_in: Floats = ledger.start.total + ledger.work + ledger.blows
-    return put_in
-
-
 def _rows_of(
     result: StudyResult, title: str, unit: str, found: Mapping[str, Mapping[str, tuple[Floats, str]]]
 ) -> Figure | None:
@@ -247,9 +139,9 @@ def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
     drawn = case_lines(result.cases, result.plan.baseline)
     above = 0.12 + 0.155 * max(len(legend) for *_, legend in rows)  # inches a legend takes
     figure = new_figure(11.0, 0.8 + (2.8 + 0.55 + above) * len(rows) - 0.55, title)
-    duration = max(float(response.t[-1]) for response in _responses(result).values())
-    firsts = [_first_panel(unit, curves, _zoom(result, duration)) for _, unit, curves, _ in rows]
-    columns = 2 if any(_apart(end - start, duration) for start, end in firsts) else 1
+    duration = max(float(response.t[-1]) for response in responses(result).values())
+    firsts = [_first_panel(unit, curves, zoomed(result, duration)) for _, unit, curves, _ in rows]
+    columns = 2 if any(apart(end - start, duration) for start, end in firsts) else 1
     ratios = (3, 2)[:columns]
     grid = panels(figure, len(rows), columns, between=0.55 + above, top=0.3 + above, width_ratios=ratios)
     for row, first, (label, unit, curves, legend) in zip(grid, firsts, rows, strict=True):
@@ -288,7 +180,8 @@ def _begin(curves: Mapping[str, tuple[Floats, Floats]], window: float) -> float:
     return min(first - BEFORE * window, max(float(t[-1]) for t, _ in curves.values()) - window)
 
 
-def _responses(result: StudyResult) -> dict[str, Response]:
+def responses(result: StudyResult) -> dict[str, Response]:
+    """The responses of all cases that have one."""
     return {name: case.response for name, case in result.cases.items() if case.response is not None}
 
 
@@ -296,7 +189,7 @@ def _times(case: CaseResult) -> Floats:
     return np.empty(0) if case.response is None else case.response.t
 
 
-def _zoom(result: StudyResult, duration: float) -> float:
+def zoomed(result: StudyResult, duration: float) -> float:
     """End of the panel of the first impact [s]; without an impact, of the beginning."""
     window = next(iter(result.cases.values())).case.study.peaks.first_impact if anything_meets(result) else None
     return min(duration, AROUND * window if window else ZOOM_WITHOUT_RULE * duration)
@@ -323,6 +216,6 @@ def _first_panel(unit: str, curves: Mapping[str, tuple[Floats, Floats]], window:
     return 0.0, min(window, float(times.min()) + length)
 
 
-def _apart(zoom: float, duration: float) -> bool:
+def apart(zoom: float, duration: float) -> bool:
     """Whether a panel of the first impact [s] shows more than one of the whole window."""
     return zoom < NEARLY * duration

@@ -14,7 +14,8 @@ from femstruct.files.atomic import file_name
 from femstruct.study.result import NET_FORCE, StudyResult
 from femstruct.view.figures import undrawn
 from femstruct.view.figures.drawing import save
-from femstruct.view.figures.histories import contact_forces, energy, history, travels
+from femstruct.view.figures.energy_over_time import energy
+from femstruct.view.figures.histories import contact_forces, history, travels
 from femstruct.view.figures.loudness import levels_over_time, rated_bands
 from femstruct.view.figures.maps import no_pressure_map, pressure_maps
 from femstruct.view.figures.power_figures import (
