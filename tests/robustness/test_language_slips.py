@@ -104,6 +104,11 @@ IN_MODEL = {
     "no shape": ("shape: circle", "shape: round", "got 'round', expected one of rectangle, circle, tube, box, I"),
     "a material by its name": ("{E: 210 GPa, nu: 0.3, rho: 7850}", "steel",
         "m.yaml:3:10: materials.steel: got 'steel', expected a mapping"),
+    "an entry of the library by its class": ("{E: 210 GPa, nu: 0.3, rho: 7850}", "{like: C30/37}",
+        "m.yaml:3:17: materials.steel.like: got 'C30/37', expected a material of the library; "
+        "did you mean 'concrete C30/37'?"),
+    "an entry of the library by its kind": ("{E: 210 GPa, nu: 0.3, rho: 7850}", "{like: concrete}",
+        "did you mean one of concrete C12/15, concrete C16/20, concrete C20/25,"),
     "unseen": ("material: steel", "material: steel\u200b", "got a character that cannot be seen (U+200B), expected"),
     "no space in a key": ("  steel:", "  \u00a0steel:", "got a blank that is no space (U+00A0) in a key, expected"),
     "no space in a name": ("material: steel", "material: steel\u00a0", "'steel' looks alike, but has other characters"),

@@ -98,9 +98,12 @@ def nearest(name: str, known: Iterable[object]) -> str:
 def near_one(name: str, known: Iterable[object]) -> str:
     """``did you mean 'x'?`` with the nearest name, empty when none is near: for where the known ones are told already.
 
-    >>> near_one("herz", ("hertz", "cubic")), near_one("q", ("x", "y"))
-    ("did you mean 'hertz'?", '')
+    >>> near_one("herz", ("hertz", "cubic")), near_one("q", ("x", "y")), near_one("C30", ("wall C30", "slab C30"))
+    ("did you mean 'hertz'?", '', 'did you mean one of slab C30, wall C30?')
     """
+    several = _holding(name, known := [str(one) for one in known])
+    if len(several) > 1:
+        return f"did you mean one of {some_of(several)}?"
     near = near_name(name, known)
     if near and near != name and normalize("NFKC", near).split() == normalize("NFKC", name).split():
         return f"'{near}' looks alike, but has other characters (Unicode): copy it from there"
@@ -108,7 +111,22 @@ def near_one(name: str, known: Iterable[object]) -> str:
 
 
 def near_name(name: str, known: Iterable[object]) -> str:
-    """The known name nearest to this one, empty when none is near."""
-    folded = {normalize("NFC", one).lower(): one for one in sorted({str(one) for one in known}, reverse=True)}
-    near = difflib.get_close_matches(normalize("NFC", name[:100]).lower(), folded, n=1, cutoff=0.6)
-    return folded[near[0]] if near else ""
+    """The only known name of which this one is some words, or the one nearest to it; empty when none is near.
+
+    >>> near_name("C30/37", ("C30", "concrete C30/37")), near_name("C31", ("C30", "concrete C30/37"))
+    ('concrete C30/37', 'C30')
+    """
+    folded = {_folded(one): one for one in sorted({str(one) for one in known}, reverse=True)}
+    holding = _holding(name, folded.values())
+    near = difflib.get_close_matches(_folded(name[:100]), folded, n=1, cutoff=0.6)
+    return holding[0] if len(holding) == 1 else folded[near[0]] if near else ""
+
+
+def _holding(name: str, known: Iterable[str]) -> list[str]:
+    """The known names of which a name is some words, but none where one of them is the name in other letters."""
+    folded, text = {one: _folded(one) for one in sorted({*known})}, _folded(name[:100])
+    return [] if text in folded.values() else [one for one in folded if f" {text} " in f" {folded[one]} "]
+
+
+def _folded(name: str) -> str:
+    return normalize("NFC", name).lower()
