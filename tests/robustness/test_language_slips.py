@@ -109,6 +109,8 @@ IN_MODEL = {
         "did you mean 'concrete C30/37'?"),
     "an entry of the library by its kind": ("{E: 210 GPa, nu: 0.3, rho: 7850}", "{like: concrete}",
         "did you mean one of concrete C12/15, concrete C16/20, concrete C20/25,"),
+    "cells in millimetres": ("mesh: 100 mm", "mesh: 25", "m.yaml:7:101: parts.sheet.mesh: got 25, expected "
+        "a length of at most 10 m; a plain number is in metres: did you mean 25 mm?"),
     "unseen": ("material: steel", "material: steel\u200b", "got a character that cannot be seen (U+200B), expected"),
     "no space in a key": ("  steel:", "  \u00a0steel:", "got a blank that is no space (U+00A0) in a key, expected"),
     "no space in a name": ("material: steel", "material: steel\u00a0", "'steel' looks alike, but has other characters"),

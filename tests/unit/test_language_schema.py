@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -65,6 +66,21 @@ def test_all_standards_are_in_the_schema_and_no_other() -> None:
         schema = json_schema("study")
         study = {"model": "m.yaml", "rooms": {"room": room | {"levels": levels}}}
         assert fits(schema, study, schema) == wanted
+
+
+def test_keys_whose_name_does_not_say_it_are_described() -> None:
+    """Editors show it; every mesh, region and between of both files, and the cases."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for kind in ("model", "study"):
+        schema = json_schema(kind)  # type: ignore[arg-type]
+        for one in (schema, *schema["$defs"].values()):
+            for key, what in one.get("properties", {}).items():
+                found.setdefault(key, []).append(what)
+    assert "the first is the baseline" in found["cases"][0]["description"]
+    for key, words in (("mesh", "largest side|file"), ("region", "sides and centre"), ("between", "two|point|carries")):
+        told = [json.dumps(one) for one in found[key]]
+        whole = [re.search(words, text) for text in told]
+        assert len(told) >= 3 and all(whole), (key, told)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from ruamel.yaml import YAML
 from femstruct.cli import app
 from femstruct.files.inputs.band_tables import read_bands
 from femstruct.files.inputs.columns import read_columns
+from femstruct.language import read_study
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -31,6 +32,18 @@ def test_files_shown_are_shipped_ones(name: str, text: str) -> None:
 
 def test_a_model_and_a_study_are_shown() -> None:
     assert [name for name, _ in SHOWN] == ["small_plate.yaml", "steel_ball.study.yaml"]
+
+
+def test_cases_shown_are_read(tmp_path: Path) -> None:
+    """Beside the study shown above them; the first changes nothing and is the baseline."""
+    (cases,) = re.findall(r"```yaml\n(cases:\n.*?)```", README, re.DOTALL)
+    for name in ("small_plate.yaml", "steel_ball.study.yaml"):
+        text = (ROOT / "models" / name).read_text(encoding="utf-8")
+        (tmp_path / name).write_text(text + (cases if "study" in name else ""), encoding="utf-8")
+    plan = read_study(tmp_path / "steel_ball.study.yaml")
+    assert [case.name for case in plan.cases] == ["as built", "thick", "with a mass"]
+    assert plan.baseline == "as built" and not plan.cases[0].changes
+    assert len(plan.cases[2].study.structure.parts) == 2
 
 
 def test_every_command_has_its_line() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from pydantic import Field
+
 from femstruct.language.air import AirSpec
 from femstruct.language.model.like import entry_for, told_of
 from femstruct.language.yaml import (
@@ -90,7 +92,9 @@ class CavitySpec(Spec):
 
     makes = AirBetween
     only_written = ("between", "air")
-    between: tuple[SurfaceName, SurfaceName]
+    between: tuple[SurfaceName, SurfaceName] = Field(
+        description="two surfaces that face each other; wool lies on the second"
+    )
     depth: SideLength
     air: AirSpec = AirSpec()
     fill: FillSpec | None = None

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, ClassVar
 
+from pydantic import Field
+
 from femstruct.errors import InputError, InputErrors, shown_as
 from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file
 from femstruct.files.inputs.opening import beside
@@ -43,7 +45,7 @@ class OfMeshSpec(PartSpec):
 
     only_written: ClassVar[tuple[str, ...]] = ("scale",)  # the mesh is in metres
 
-    mesh: Text
+    mesh: Text = Field(description="a mesh file: .msh, .inp, .bdf, .unv or .vtu")
     scale: FILE_SCALE = 1.0
 
     def build(self, name: str, of: Library) -> Part:

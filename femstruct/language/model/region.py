@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from pydantic import Field
+
 from femstruct.errors import shown_as
 from femstruct.language.yaml import Length, Position2, Position3, Spec, Text, exactly_one, read_by, refuse
 from femstruct.model import region
@@ -45,4 +47,11 @@ def _region(value: object) -> object:
     return value
 
 
-Region = Annotated[RegionSpec, read_by(_region, Literal["whole"] | RegionSpec)]
+Region = Annotated[
+    RegionSpec,
+    read_by(_region, Literal["whole"] | RegionSpec),
+    Field(
+        description="whole; {rectangle: [2.5, 4], at: [1.25, 2]} (sides and centre in the part's coordinates, without "
+        "'at' in its middle); {rim: [..]}, {line: [[..], [..]]} or {set: NAME}"
+    ),
+]

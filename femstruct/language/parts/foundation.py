@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from pydantic import Field
+
 from femstruct.language.model.like import entry_for, need_losses, told_of
 from femstruct.language.model.material import Losses
 from femstruct.language.model.region import Region, RegionSpec
@@ -33,7 +35,7 @@ class FoundationSpec(PartSpec):
     makes = Foundation
     type: Literal["foundation"]
     on: Solid | None = None
-    between: tuple[Solid, Solid] | None = None
+    between: tuple[Solid, Solid] | None = Field(default=None, description="two parts whose facing sides it joins")
     region: Region = RegionSpec()
     stiffness: SpreadSpec | None = None
     like: Annotated[Text | None, entry_for(Use.LAYER, "a resilient layer of the library", "layer")] = None

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from femstruct.elements.frame import FrameElement
 from femstruct.language.parts.part import FLOOR, STRESSED, MaterialName, PartSpec, SectionName
-from femstruct.language.yaml import Direction3, Length, Position3, Spec
+from femstruct.language.yaml import CellSide, Direction3, Position3, Spec
 from femstruct.parts.frame import Frame
 
 
@@ -29,7 +29,9 @@ class FrameSpec(PartSpec):
     material: MaterialName
     section: SectionName
     lines: Annotated[list[Annotated[list[Position3], Field(min_length=2)]], Field(min_length=1)]
-    mesh: Length | None = None
+    mesh: CellSide | None = Field(
+        default=None, description="largest side of an element [m]; without it one element a segment"
+    )
     orientation: Direction3 | None = None
     element: FrameElement = "timoshenko18"
     offsets: OffsetsSpec = OffsetsSpec()

@@ -50,7 +50,9 @@ class HangersSpec(PartSpec):
 
     makes = Hangers
     type: Literal["hangers"]
-    between: tuple[Annotated[Text, Refers(FLOOR)], Annotated[Text, Refers(CEILING)]]
+    between: tuple[Annotated[Text, Refers(FLOOR)], Annotated[Text, Refers(CEILING)]] = Field(
+        description="what carries, a floor or its joists, and the ceiling that hangs from it"
+    )
     stiffness: HungSpec | None = None
     like: Annotated[Text | None, entry_for(Use.HANGERS, "hangers or channels of the library", "hangers")] = None
     spacing: Spacing = ()

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
+from pydantic import Field
+
 from femstruct.elements.plate import PlateElement
 from femstruct.errors import shown_as
 from femstruct.language.model.lay_up import DeckSpec
 from femstruct.language.parts.part import CEILING, FLOOR, STRESSED, Places, check_coordinates
-from femstruct.language.yaml import LENGTH, Count, Direction3, Here, Length, Position3, SideLength, read_by, refuse
+from femstruct.language.yaml import CELL, CellSide, Count, Direction3, Here, Position3, SideLength, read_by, refuse
 from femstruct.parts.plate import InPlane, Plate
 
 
@@ -19,7 +21,7 @@ def _mesh(value: object) -> object:
         if len(value) == 2 and all(isinstance(n, int) and not isinstance(n, bool) and 0 < n <= 2000 for n in value):
             return (value[0], value[1])
         raise refuse(shown_as(value), "two whole numbers of divisions from 1 to 2000", "write [16, 16] or 30 mm")
-    return LENGTH.read(value)
+    return CELL.read(value)
 
 
 class PlateSpec(DeckSpec):
@@ -32,7 +34,11 @@ class PlateSpec(DeckSpec):
     element: PlateElement = "bfs16"
     origin: Position3
     size: tuple[SideLength, SideLength]
-    mesh: Annotated[float | tuple[int, int], read_by(_mesh, Length | tuple[Count, Count])]
+    mesh: Annotated[
+        float | tuple[int, int],
+        read_by(_mesh, CellSide | tuple[Count, Count]),
+        Field(description="largest side of an element [m], or the least numbers of them along x and y"),
+    ]
     normal: Direction3 = (0.0, 0.0, 1.0)
     x_direction: Direction3 | None = None
     in_plane: InPlane | None = None

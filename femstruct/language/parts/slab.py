@@ -8,7 +8,7 @@ from pydantic import Field
 
 from femstruct.language.model.lay_up import DeckSpec
 from femstruct.language.parts.part import CEILING, FLOOR, MESHED, STRESSED, Places
-from femstruct.language.yaml import Coordinate, Direction3, Here, Length, Position2, Position3, Spec
+from femstruct.language.yaml import CellSide, Coordinate, Direction3, Here, Length, Position2, Position3, Spec
 from femstruct.parts.slab import Slab
 
 
@@ -27,7 +27,7 @@ class SlabSpec(DeckSpec):
     known_as = ("part", "plate or shell", "plate or frame", "plate, slab or block", MESHED, STRESSED, FLOOR, CEILING)
     type: Literal["slab"]
     outline: Annotated[list[Position2], Field(min_length=4)]
-    mesh: Length
+    mesh: CellSide
     holes: list[HoleSpec] = Field(default_factory=list)
     through: list[Position2] = Field(default_factory=list)
     origin: Position3 = (0.0, 0.0, 0.0)

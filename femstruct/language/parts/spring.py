@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from pydantic import Field
+
 from femstruct.language.model.directions import SixDashpots, SixStiffnesses
 from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import Here, Refers, Text
@@ -17,7 +19,7 @@ class SpringSpec(PartSpec):
 
     makes = Spring
     type: Literal["spring"]
-    between: tuple[End, End]
+    between: tuple[End, End] = Field(description="a point, and another or ground")
     stiffness: SixStiffnesses = SixStiffnesses()
     damping: SixDashpots = SixDashpots()
 

@@ -44,7 +44,7 @@ class MeshedRoomSpec(ClosedSpec):
 
     signs = ("mesh", "ceiling", "walls", "modes")
 
-    mesh: Text | None = None
+    mesh: Text | None = Field(default=None, description="a file of tetrahedra or hexahedra [m]")
     ceiling: Text | None = None
     walls: dict[str, WallSpec] = Field(default_factory=dict)
     modes: RoomModesSpec | None = None

@@ -47,7 +47,7 @@ class StudyKeys(CampaignSpec):
     """The keys of a study file but those of the evaluations of recorded histories, a key each kind."""
 
     title: Text | None = None
-    model: Text
+    model: Text = Field(description="the model file, beside this one")
     modes: ModesSpec | None = None
     accuracy: AccuracySpec | None = None
     frf: dict[str, FrfSpec] = Field(default_factory=dict)
@@ -62,9 +62,14 @@ class StudyKeys(CampaignSpec):
     limits: dict[str, LimitValue] = Field(default_factory=dict)
     quiet: Instant = 0.0
     rooms: dict[str, AnyRoom] = Field(default_factory=dict)
-    cases: dict[str, Changes] = Field(default_factory=dict)
+    cases: dict[str, Changes] = Field(
+        default_factory=dict,
+        description="Variants of the study by name: paths of the study or its model with their values there, and "
+        "'add: {PATH: ..}', 'remove: [PATH, ..]'. These alone are computed; the first is the baseline: begin with an "
+        "empty one, 'as built: {}'.",
+    )
     compare: CompareSpec | None = None
-    save: Literal["modal"] | None = None
+    save: Literal["modal"] | None = Field(default=None, description="modal: keep the motion of all modes, too")
     vibration: dict[str, VibrationSpec] = Field(default_factory=dict)
     fatigue: dict[str, FatigueSpec] = Field(default_factory=dict)
     sources: dict[str, MeasuredSourceSpec] = Field(default_factory=dict)

@@ -10,10 +10,12 @@ from femstruct.language.yaml.here import Here, Names, members
 from femstruct.language.yaml.reader import lines_of_keys, parse_value, read_yaml
 from femstruct.language.yaml.references import check_references, found, references
 from femstruct.language.yaml.spec import (
+    CELL,
     FREQUENCY,
     LENGTH,
     AnyRatio,
     Band,
+    CellSide,
     Component,
     Coordinate,
     Count,
@@ -66,11 +68,13 @@ from femstruct.language.yaml.tree import (
 from femstruct.language.yaml.validation import validate
 
 __all__ = [
+    "CELL",
     "FREQUENCY",
     "LENGTH",
     "AnyRatio",
     "Band",
     "BandFile",
+    "CellSide",
     "Component",
     "Coordinate",
     "Count",

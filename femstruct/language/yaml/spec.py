@@ -10,6 +10,7 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     model_validator,
@@ -36,7 +37,8 @@ class Spec(BaseModel):
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
     needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
     called : what the noun calls keys for which it has another word. only_written : keys that the noun does not have.
-    refused : keys of other kinds that `refuse_keys` refuses.
+    refused : keys of other kinds that `refuse_keys` refuses. instead : keys of other kinds that are unknown here, each with the
+    key that says it and how.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
@@ -47,6 +49,7 @@ class Spec(BaseModel):
     called: ClassVar[tuple[tuple[str, str], ...]] = ()
     only_written: ClassVar[tuple[str, ...]] = ()
     refused: ClassVar[tuple[str, ...]] = ()
+    instead: ClassVar[tuple[tuple[str, str, str], ...]] = ()
 
     def given(self) -> dict[str, Any]:
         """The values of the noun's keys, in its words, mappings as nouns; not the word that tells the kind."""
@@ -242,7 +245,9 @@ Component = Annotated[float, Quantity(("ratio",))]
 _MILLIMETRES: Final = "a plain number is in metres: did you mean {number:g} mm?"
 SideLength = Annotated[float, Quantity(("length",), above=0.0, most=1000.0, too_large=_MILLIMETRES)]
 LENGTH: Final = Quantity(("length",), above=0.0)
+CELL: Final = Quantity(("length",), above=0.0, most=10.0, too_large=_MILLIMETRES)  # no element is longer
 Length = Annotated[float, LENGTH]
+CellSide = Annotated[float, CELL, Field(description="largest side of an element [m]")]
 Gap = Annotated[float, Quantity(("length",), least=0.0)]
 MassKg = Annotated[float, Quantity(("mass",), above=0.0)]
 FREQUENCY: Final = Quantity(("frequency",), above=0.0)
@@ -254,7 +259,7 @@ Speed = Annotated[float, Quantity(("speed",))]
 PointName = Annotated[Text, Refers("point")]
 SurfaceName = Annotated[Text, Refers("surface")]
 End = Annotated[Text, Refers(goes_with="bodies")]
-Ends = tuple[End, End]
+Ends = Annotated[tuple[End, End], Field(description="its two ends: names of points or bodies, or ground")]
 Position2 = tuple[Coordinate, Coordinate]
 Position3 = tuple[Coordinate, Coordinate, Coordinate]
 Direction3 = tuple[Component, Component, Component]
