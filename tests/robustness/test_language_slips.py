@@ -111,6 +111,13 @@ IN_MODEL = {
         "did you mean one of concrete C12/15, concrete C16/20, concrete C20/25,"),
     "cells in millimetres": ("mesh: 100 mm", "mesh: 25", "m.yaml:7:101: parts.sheet.mesh: got 25, expected "
         "a length of at most 10 m; a plain number is in metres: did you mean 25 mm?"),
+    "a slab with the size of a plate": ("type: plate, material", "type: slab, material",
+        "m.yaml:7:76: parts.sheet.size: got the unknown key 'size', expected a key of the language; for a rectangle of "
+        "5 m by 4 m write outline: [[0, 0], [5, 0], [5, 4], [0, 4]]"),
+    "a slab with cells counted": (
+        "{type: plate, material: steel, thickness: 2 mm, origin: [0, 0, 0], size: [0.4, 0.3], mesh: 100 mm}",
+        "{type: slab, material: steel, thickness: 2 mm, outline: [[0, 0], [1, 0], [1, 1], [0, 1]], mesh: [4, 4]}",
+        "parts.sheet.mesh: got a list [4, 4], expected a largest side of its elements; write it like 200 mm"),
     "unseen": ("material: steel", "material: steel\u200b", "got a character that cannot be seen (U+200B), expected"),
     "no space in a key": ("  steel:", "  \u00a0steel:", "got a blank that is no space (U+00A0) in a key, expected"),
     "no space in a name": ("material: steel", "material: steel\u00a0", "'steel' looks alike, but has other characters"),

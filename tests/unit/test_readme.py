@@ -12,7 +12,8 @@ from ruamel.yaml import YAML
 from femstruct.cli import app
 from femstruct.files.inputs.band_tables import read_bands
 from femstruct.files.inputs.columns import read_columns
-from femstruct.language import read_study
+from femstruct.language import read_model_file, read_study
+from femstruct.model.mesher import mesh_structure
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -44,6 +45,29 @@ def test_cases_shown_are_read(tmp_path: Path) -> None:
     assert [case.name for case in plan.cases] == ["as built", "thick", "with a mass"]
     assert plan.baseline == "as built" and not plan.cases[0].changes
     assert len(plan.cases[2].study.structure.parts) == 2
+
+
+PLATE = """\
+materials: {BRICK}
+parts: {floor: {type: plate, origin: [0, 0, 0], material: brick, thickness: 0.2, size: [5, 4], mesh: 0.5}}
+points: {middle: {on: floor, at: center}}
+supports: {rim: {on: floor, edge: all, fix: simple}}
+"""
+
+
+def test_a_plate_becomes_a_slab_as_it_is_said(tmp_path: Path) -> None:
+    told = re.search(r"becomes a slab by (`.*?center`)", README, re.DOTALL)
+    brick = re.search(r"`(brick: .*?)`", README)
+    assert told and brick
+    _, *keys = re.findall(r"`(\w+: [^`]*)`", told[1])  # type: slab, then the new one and the old one in turn
+    text = PLATE.replace("BRICK", brick[1])
+    (tmp_path / "plate.yaml").write_text(text, encoding="utf-8")
+    for new, old in zip(keys[::2], keys[1::2], strict=True):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "slab.yaml").write_text(text.replace("type: plate", "type: slab"), encoding="utf-8")
+    for name in ("plate.yaml", "slab.yaml"):
+        mesh_structure(read_model_file(tmp_path / name).structure)
 
 
 def test_every_command_has_its_line() -> None:

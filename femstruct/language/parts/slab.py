@@ -6,9 +6,22 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from femstruct.errors import shown_as
 from femstruct.language.model.lay_up import DeckSpec
 from femstruct.language.parts.part import CEILING, FLOOR, MESHED, STRESSED, Places
-from femstruct.language.yaml import CellSide, Coordinate, Direction3, Here, Length, Position2, Position3, Spec
+from femstruct.language.yaml import (
+    CELL,
+    CellSide,
+    Coordinate,
+    Direction3,
+    Here,
+    Length,
+    Position2,
+    Position3,
+    Spec,
+    read_by,
+    refuse,
+)
 from femstruct.parts.slab import Slab
 
 
@@ -19,15 +32,22 @@ class HoleSpec(Spec):
     at: Position2
 
 
+def _cells(value: object) -> object:
+    if isinstance(value, list):
+        raise refuse(shown_as(value), "a largest side of its elements", "write it like 200 mm")
+    return CELL.read(value)
+
+
 class SlabSpec(DeckSpec):
     """A flat slab. outline: corners in turn, sides along x or y; holes: rectangular openings; mesh: largest element
     side; through: places that get a node. It has the sets rim, side 1, .., hole 1, ..."""
 
     makes = Slab
     known_as = ("part", "plate or shell", "plate or frame", "plate, slab or block", MESHED, STRESSED, FLOOR, CEILING)
+    instead = (("size", "outline", "for a rectangle of 5 m by 4 m write outline: [[0, 0], [5, 0], [5, 4], [0, 4]]"),)
     type: Literal["slab"]
     outline: Annotated[list[Position2], Field(min_length=4)]
-    mesh: CellSide
+    mesh: Annotated[float, read_by(_cells, CellSide), Field(description="largest side of an element [m]")]
     holes: list[HoleSpec] = Field(default_factory=list)
     through: list[Position2] = Field(default_factory=list)
     origin: Position3 = (0.0, 0.0, 0.0)
@@ -37,7 +57,9 @@ class SlabSpec(DeckSpec):
 
     def check_place(self, here: Here, places: Places) -> None:
         if isinstance(places, str):
-            here.wrong(f"{places} of a slab", "[x, y]", "use the coordinates of its outline")
+            middle = [(min(along) + max(along)) / 2 for along in zip(*self.outline, strict=True)]
+            do = f"use the coordinates of its outline, whose middle is [{middle[0]:g}, {middle[1]:g}]"
+            here.wrong(f"{places} of a slab", "[x, y]", do)
         elif any(len(place) != 2 for place in places):
             here.wrong(f"{len(places[0])} coordinates", "2 on a slab", "use the coordinates of its outline")
 

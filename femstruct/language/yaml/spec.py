@@ -37,8 +37,8 @@ class Spec(BaseModel):
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
     needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
     called : what the noun calls keys for which it has another word. only_written : keys that the noun does not have.
-    refused : keys of other kinds that `refuse_keys` refuses. instead : keys of other kinds that are unknown here, each with the
-    key that says it and how.
+    refused : keys of other kinds that `refuse_keys` refuses. instead : keys of other kinds that are unknown here,
+    each with the key that says it and how.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)

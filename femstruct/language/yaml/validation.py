@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from femstruct.errors import shown_as
 from femstruct.language.yaml.bands import OF_FILE, Opened
+from femstruct.language.yaml.spec import Spec
 from femstruct.language.yaml.tree import Mistakes, Steps, Tree, dotted, near_name, near_one, nearest
 
 S = TypeVar("S", bound=BaseModel)
@@ -33,7 +34,11 @@ def validate(
         found = error.errors(include_url=False)
         unknown = [one for one in found if one["type"] == "extra_forbidden"] + _unknown_without_kind(found, schema)
         meant = {  # a misspelt key is one mistake, not two
-            (*one["loc"][:-1], near_name(str(one["loc"][-1]), _allowed(schema, one["loc"][:-1]))) for one in unknown
+            (
+                *one["loc"][:-1],
+                _instead(schema, one["loc"])[0] or near_name(str(one["loc"][-1]), _allowed(schema, one["loc"][:-1])),
+            )
+            for one in unknown
         }
         cut = {_cut_at_comma(one, value) for one in unknown}
         for one in unknown:
@@ -102,7 +107,8 @@ def _told(
         case "refused":
             return context["got"], context["expected"], context["do"]
         case "extra_forbidden":
-            return _told_of_key(str(loc[-1]), _allowed(schema, loc[:-1]))
+            got, expected, do = _told_of_key(str(loc[-1]), _allowed(schema, loc[:-1]))
+            return got, expected, _instead(schema, loc)[1] or do
         case "missing" if isinstance(loc[-1], int):
             return "a list that is too short", f"at least {loc[-1] + 1} values", ""
         case "missing":
@@ -164,6 +170,12 @@ def _steps(loc: Steps, value: Any, absent: bool = True) -> Steps:
 def _allowed(schema: Any, loc: Steps) -> list[str]:
     """The keys of the mapping that a pydantic location points at."""
     return [key for one in _at(schema, loc) for key in _fields(one)]
+
+
+def _instead(schema: Any, loc: Steps) -> tuple[str, str]:
+    """The key that says what an unknown one says of another kind, and how; nothing where it is none of these."""
+    said = [one.instead for one in _at(schema, loc[:-1]) if isinstance(one, type) and issubclass(one, Spec)]
+    return next(((key, do) for one in said for other, key, do in one if other == loc[-1]), ("", ""))
 
 
 def _fields(schema: Any) -> dict[str, Any]:
