@@ -304,3 +304,29 @@ def test_check_tries_what_varies(tmp_path: Path) -> None:
             campaigns_of(path)
     path = written(tmp_path, study=f"{STUDY}vary: {{bodies.ball.mass: {{from: 0 g, to: 20 g, steps: 3}}}}\n")
     assert campaigns_of(path) == {"femstruct sweep": "varies bodies.ball.mass"}
+
+
+ALONE = {  # a value where a mapping is expected: file, old, new, what to write
+    "damping": ("m", "damping: {ratio: 1 %}", "damping: 2 %", "14:10: damping: got '2 %'", "{loss_factor: 2 %}"),
+    "losses": ("m", "damping: {ratio: 1 %}", "damping: materials", "got 'materials'", "{from: materials}"),
+    "modes": ("s", "modes: {up_to: 500 Hz}", "modes: 400 Hz", "3:8: modes: got '400 Hz'", "{up_to: 400 Hz}"),
+    "so many": ("s", "modes: {up_to: 500 Hz}", "modes: 20", "modes: got 20", "{count: 20} or {up_to: 20 Hz}"),
+    "contact": ("s", "contact: {type: linear, stiffness: 10 kN/m}", "contact: hertz", "ball.contact: got 'hertz'",
+        "{type: hertz, ...}"),
+    "no law": ("s", "contact: {type: linear, stiffness: 10 kN/m}", "contact: herz", "contact: got 'herz'",
+        "{type: hertz, ...}"),
+    "material": ("m", "steel: {E: 210 GPa, nu: 0.3, rho: 7850}", "steel: steel", "3:10: materials.steel: got 'steel'",
+        "{like: steel}"),
+    "none": ("m", "steel: {E: 210 GPa, nu: 0.3, rho: 7850}", "steel: S235", "materials.steel: got 'S235'",
+        "{E: 210 GPa, nu: 0.3, rho: 7850} or {like: C24}"),
+    "room": ("s", "time:", "rooms: {box: {size: [5, 4, 2.5], under: top, losses: 0.5 s}}\ntime:", "losses: got '0.5 s'",
+        "{t60: 0.5 s}"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ALONE)
+def test_a_value_alone_is_answered_with_the_mapping_that_is_meant(name: str, tmp_path: Path) -> None:
+    file, old, new, got, do = ALONE[name]
+    changed = {"m": {"model": MODEL.replace(old, new)}, "s": {"study": STUDY.replace(old, new)}}[file]
+    told = the_mistake(tmp_path, **changed)
+    assert got in told and told.endswith(f", expected a mapping; write it like {do}")

@@ -35,11 +35,16 @@ class DampingSpec(Spec):
     at_most_one_of = (("ratio", "loss_factor", "rayleigh", "from"),)
 
     makes = damping.Damping
+    short = "loss_factor"
     ratio: Ratio | None = None
     loss_factor: LossFactor | None = None
     rayleigh: RayleighSpec | None = None
     source: Literal["materials"] | None = Field(default=None, alias="from")
     modes: dict[str, ModeDampingSpec] = Field(default_factory=dict)
+
+    @classmethod
+    def meant_by(cls, value: object) -> str:
+        return "{from: materials}" if value == "materials" else super().meant_by(value)
 
     def check(self, here: Here) -> None:
         given, do = self.rayleigh is None or self.rayleigh.model_fields_set, "write it like {beta: 1e-5 s}"

@@ -18,12 +18,14 @@ from femstruct.language.yaml import (
     Spec,
     Text,
     by_band,
+    near_name,
     read_by,
     refuse,
     so_many,
     word_of,
 )
 from femstruct.model.library.alike import alike
+from femstruct.model.library.all_entries import names_for
 from femstruct.model.library.library_entry import Use
 from femstruct.model.material import Material
 from femstruct.model.materials.loss_by_frequency import (
@@ -162,6 +164,11 @@ class LikeSpec(Spec):
     rho: Density | None = None
     G: Annotated[tuple[float, ...] | None, read_by(_shear_moduli, list[Modulus])] = None
     loss_factor: PlateLosses | None = None
+
+    @classmethod
+    def meant_by(cls, value: object) -> str:
+        near = near_name(value, names_for(Use.MATERIAL)) if isinstance(value, str) else ""
+        return f"{{like: {near}}}" if near else "{E: 210 GPa, nu: 0.3, rho: 7850} or {like: C24}"
 
     def check_losses(self, here: Here) -> None:
         """Note a loss factor that the damping takes and nobody has given; timber classes have 0 then."""

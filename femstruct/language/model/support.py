@@ -53,6 +53,7 @@ def _walls(value: object) -> object:
 class EdgeStiffnessSpec(Spec):
     """Springs along an edge, per length of it: z along the normal of the part, about edge against rotation about it."""
 
+    short = "z"
     z: Annotated[float, Quantity(("stiffness/length",), above=0.0)] | None = None
     about_edge: Annotated[float, Quantity(("rotational stiffness/length",), above=0.0)] | None = Field(
         default=None, alias=ABOUT

@@ -22,6 +22,7 @@ Solid = Annotated[Text, Refers("plate, slab or block")]
 class SpreadSpec(Spec):
     """Stiffness of a foundation: per area of a whole or rectangle region, per length of a rim or line."""
 
+    short = "normal"
     normal: Spread
     shear: Spread = Measured(0.0, None)
 

@@ -37,6 +37,7 @@ Spacing = Annotated[
 class HungSpec(Spec):
     """Stiffness of hangers: along the normal of the ceiling and both ways along it, of each or per length."""
 
+    short = "normal"
     normal: Hung
     shear: Hung = Measured(0.0, None)
 

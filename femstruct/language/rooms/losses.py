@@ -45,6 +45,7 @@ SpecificImpedance = Quantity(("specific impedance",), least=0.0)
 class LossesSpec(Spec):
     """How sound dies away: a damping ratio or loss factor at a frequency, or a reverberation time."""
 
+    short = "t60"
     beta: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)] | None = None
     loss_factor: LossFactor | None = None
     t60: Annotated[ByBand, read_by(_t60, Duration | BandFile | dict[str, Duration])] = None

@@ -30,9 +30,15 @@ class ModesSpec(Spec):
     one_of = (("up_to", "count"),)
 
     makes = Extent
+    short = "up_to"
     called = (("up_to", "up_to_hz"),)
     up_to: Frequency | None = None
     count: Count | None = None
+
+    @classmethod
+    def meant_by(cls, value: object) -> str:
+        counted = isinstance(value, int) and not isinstance(value, bool)
+        return f"{{count: {value}}} or {{up_to: {value} Hz}}" if counted else super().meant_by(value)
 
 
 class TimeSpec(Spec):
@@ -73,6 +79,7 @@ class AccuracySpec(Spec):
     """Add modes until what is recorded in a band changes by no more than a share in the first impact."""
 
     makes = AccuracyRule
+    short = "within"
     called = (("up_to", "up_to_hz"),)
     within: Annotated[float, Quantity(("ratio",), above=0.0, below=1.0)]
     band: Band

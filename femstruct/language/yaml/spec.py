@@ -38,7 +38,7 @@ class Spec(BaseModel):
     needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
     called : what the noun calls keys for which it has another word. only_written : keys that the noun does not have.
     refused : keys of other kinds that `refuse_keys` refuses. instead : keys of other kinds that are unknown here,
-    each with the key that says it and how.
+    each with the key that says it and how. short : the key that is meant by a value alone.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
@@ -50,6 +50,7 @@ class Spec(BaseModel):
     only_written: ClassVar[tuple[str, ...]] = ()
     refused: ClassVar[tuple[str, ...]] = ()
     instead: ClassVar[tuple[tuple[str, str, str], ...]] = ()
+    short: ClassVar[str] = ""
 
     def given(self) -> dict[str, Any]:
         """The values of the noun's keys, in its words, mappings as nouns; not the word that tells the kind."""
@@ -66,6 +67,12 @@ class Spec(BaseModel):
     def keys(cls) -> set[str]:
         """The keys it has or refuses by name, as a file writes them."""
         return {*(info.alias or name for name, info in cls.model_fields.items()), *cls.refused}
+
+    @classmethod
+    def meant_by(cls, value: object) -> str:
+        """The mapping that is meant by a value alone, "" where that is not known."""
+        single = cls.short and isinstance(value, str | int | float) and not isinstance(value, bool)
+        return f"{{{cls.short}: {value}}}" if single else ""
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:

@@ -120,11 +120,11 @@ def _told(
         case "tuple_type" | "list_type":
             return "", "a list", "write it like [1, 2]"
         case "dict_type" | "model_type" | "model_attributes_type":
-            return "", "a mapping", "write it like {name: value}"
+            return "", "a mapping", f"write it like {_meant(schema, loc, given) or '{name: value}'}"
         case "union_tag_not_found" if not isinstance(given, dict):
-            return "", "a mapping", "write it like {type: ..., ...}"
+            return "", "a mapping", f"write it like {_meant(schema, loc, given) or '{type: ..., ...}'}"
         case "union_tag_not_found":
-            key, known = _tells(schema, loc), " | ".join(tag for one in _at(schema, loc) for tag in _tags(one))
+            key, known = _tells(schema, loc), " | ".join(_tags_at(schema, loc))
             return f"no '{key}'", f"a key '{key}'", f"add {key}: {known}" if known else f"add '{key}: ...'"
         case "union_tag_invalid":
             tags, word = [tag.strip(" '") for tag in context["expected_tags"].split(",")], context["tag"]
@@ -174,8 +174,26 @@ def _allowed(schema: Any, loc: Steps) -> list[str]:
 
 def _instead(schema: Any, loc: Steps) -> tuple[str, str]:
     """The key that says what an unknown one says of another kind, and how; nothing where it is none of these."""
-    said = [one.instead for one in _at(schema, loc[:-1]) if isinstance(one, type) and issubclass(one, Spec)]
-    return next(((key, do) for one in said for other, key, do in one if other == loc[-1]), ("", ""))
+    said = [each for one in _specs(schema, loc[:-1]) for each in one.instead]
+    return next(((key, do) for other, key, do in said if other == loc[-1]), ("", ""))
+
+
+def _meant(schema: Any, loc: Steps, value: Any) -> str:
+    """The mapping that is meant by a value where a mapping is expected."""
+    kinds = [tag for tag in _tags_at(schema, loc) if tag != GIVEN]
+    if kinds:
+        near = near_name(value, kinds) if isinstance(value, str) else ""
+        return f"{{{_tells(schema, loc)}: {near or '...'}, ...}}"
+    return next((text for one in _specs(schema, loc) if (text := one.meant_by(value))), "")
+
+
+def _specs(schema: Any, loc: Steps) -> list[type[Spec]]:
+    """The nouns that may stand at a pydantic location."""
+    return [one for one in _at(schema, loc) if isinstance(one, type) and issubclass(one, Spec)]
+
+
+def _tags_at(schema: Any, loc: Steps) -> list[str]:
+    return [tag for one in _at(schema, loc) for tag in _tags(one)]
 
 
 def _fields(schema: Any) -> dict[str, Any]:
