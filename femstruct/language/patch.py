@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, Final, get_origin
 
-from femstruct.errors import shown_as
+from femstruct.errors import shown_as, some_of
 from femstruct.language.model.model import ModelSpec
 from femstruct.language.yaml import Here, Mistakes, Spec, Steps, Tree, dotted, found, mapping_in, nearest, references
 
@@ -257,10 +257,20 @@ class Patch:
             do = f"there is no '{first}:' in the file"
         elif not steps and first in study_keys():
             do = f"'{first}:' is a key of studies: name the study file"
+        elif steps == ("model",):
+            do = f"write paths of the model without 'model.': {rest}"
+        elif not steps and (ends := self._ending_with(rest)):
+            do = f"did you mean one of {some_of(ends)}?" if len(ends) > 1 else f"did you mean '{ends[0]}'?"
         named = _is_named(steps) and isinstance(known, dict) and "." not in rest
         new = "a new one goes under 'add:'" if named else ""
         told = "; ".join(text for text in (do, new) if text)
         there.wrong(f"the path '{path}', which does not exist", "a path of the files", told, of_key=True)
+
+    def _ending_with(self, rest: str) -> list[str]:
+        """The paths of the files that end with a text, as `thickness` does for `parts.slab.thickness`."""
+        drafts = [draft for draft in (self.study, self.model) if draft is not None]
+        paths = [path for draft in drafts for path in draft.keys if path[0] not in _OF_ALL_CASES]
+        return [text for path in paths if (text := dotted(path)).endswith(f".{rest}")]
 
     def _added(self, steps: Steps) -> tuple[str, ...]:
         """Names that cases add to a group."""

@@ -149,6 +149,10 @@ IN_STUDY = {
         "receivers.mic: got 'center', expected [x, y, z] from the room's lower corner; of several places"),
     "above and under": ("time:", "rooms: {open: {above: top, under: top, receivers: {mic: [0, 0, 1]}}}\ntime:",
         "rooms.open: got both under and above, expected exactly one of under, above, below"),
+    "a rating with a weighting": ("time:", "limits: {bed rating: 50 dB(A)}\ntime:", "9:22: limits.bed rating: "
+        "got '50 dB(A)', expected a level [dB]; write it like 53 dB"),
+    "a length of a force": ("time:", "limits: {ground force: 5 lbf}\ntime:", "limits.ground force: got '5 lbf' with an "
+        "unknown unit 'lbf', expected a force [N]; known units of a force: N,"),
     "a room that is a number": ("time:", "rooms: {box: 3}\ntime:", "9:14: rooms.box: got 3, expected a mapping"),
     "a motion of nothing": ("time:", "initial: {rigid: {about: O}}\ntime:",
         "initial.rigid: got no velocity and no spin, expected a motion"),
@@ -182,6 +186,10 @@ def test_cases_add_excitations_and_change_channels(tmp_path: Path) -> None:
     [
         ("bodies.ball.mass=", "--set bodies.ball.mass=: got no PATH=VALUE"),
         ("bodies.ball.mass=[1, 2", "got broken YAML"),
+        ("model.parts.sheet.thickness=3 mm", "write paths of the model without 'model.': parts.sheet.thickness"),
+        ("thickness=3 mm", "which does not exist, expected a path of the files; did you mean 'parts.sheet.thickness'?"),
+        ("mass=3 g", "did you mean 'bodies.ball.mass'?"),
+        ("stiffness=3", "did you mean one of bodies.ball.contact.stiffness, parts.legs.stiffness?"),
         ("record.feet.9.z=velocity", "record.feet.9.z: got 'feet.9.z', expected a direction of a point; did you mean"),
     ],
 )
@@ -219,6 +227,11 @@ def test_windows_files_are_read(tmp_path: Path) -> None:
         ("a.b=gauss(10 g, 1 g)", "got 'gauss(10 g, 1 g)', expected normal(MEAN, SD) or uniform(FROM, TO)"),
         ("a.b=Normal(10 g, 1 g)", "did you mean 'normal'?"),
         ("a.b=10 g:10 g:3", "vary.a.b: got 3 steps from 0.01 to 0.01, expected different values"),
+        (
+            "a.b=10 g:20",
+            "got 20 without a unit beside a mass, expected a unit with every value, or with none; "
+            "values are separated by commas, decimals by a point, as 1.5 kg; write 20 with its unit",
+        ),
         ("a.b=10 g,10 g", "vary.a.b: got 10 g twice, expected each value once; remove one of them"),
     ],
 )

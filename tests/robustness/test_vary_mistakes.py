@@ -51,7 +51,7 @@ def test_mistakes_of_a_file(value: str, tmp_path: Path) -> None:
         (
             "a.b=1,5 t,2 t",
             "got 1 without a unit beside a mass, expected a unit with every value, or with none; values are "
-            "separated by commas, decimals by a point: 1.5 t",
+            "separated by commas, decimals by a point, as 1.5 kg; write 1 with its unit",
         ),
         ("a.b=1,5:3:4", "got no range and no list"),
         ("a.b=1,5 t:3 t:4", "got no range and no list"),

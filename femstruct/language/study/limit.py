@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Annotated, Final
+from typing import Annotated, Any, Final, NamedTuple
+
+from pydantic_core import PydanticCustomError
 
 from acoustics.levels.methods import FIELD, RATING
 from femstruct.dimensions import DIMENSIONS
 from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.study.record import QUANTITIES
-from femstruct.language.yaml import Here, Measured, Quantity, nearest
+from femstruct.language.yaml import Here, Measured, Quantity, nearest, read_by
 from femstruct.study.asked import SETTLED
 
 RATED: Final = "rating"  # ROOM rating
@@ -19,7 +21,35 @@ _LINEAR: Final = {
 }  # fmt: skip
 _TURNING: Final = {"displacement": "angle", "velocity": "angular speed"}
 LIMITED: Final = ("length", "speed", "acceleration", "force", "time", "angle", "angular speed", "level", "pressure")
-LimitValue = Annotated[Measured, Quantity(LIMITED, above=0.0, which=True)]
+
+
+class _Named(NamedTuple):
+    """A limit as it is written, and what it is of."""
+
+    name: str
+    value: object
+
+
+class _LimitQuantity(Quantity):
+    """What is no quantity that can be limited is answered with the one that its name has."""
+
+    def read(self, value: object) -> Any:
+        name, given = value if isinstance(value, _Named) else ("", value)
+        try:
+            return super().read(given)
+        except PydanticCustomError:
+            wanted = _dimension(name)
+            if wanted not in LIMITED:
+                raise
+            return Quantity((wanted,), above=0.0, which=True).read(given)
+
+
+def _with_names(value: object) -> object:
+    return {name: _Named(name, one) for name, one in value.items()} if isinstance(value, dict) else value
+
+
+LimitValue = Annotated[Measured, _LimitQuantity(LIMITED, above=0.0, which=True)]
+Limits = Annotated[dict[str, LimitValue], read_by(_with_names, dict[str, LimitValue])]
 
 
 def check_limits(
@@ -39,7 +69,7 @@ def check_limits(
             expected = f"a recorded channel, TARGET QUANTITY, a rated room, ROOM {RATED}, or {SETTLED}"
             there.wrong(f"'{name}'", expected, _what_to_do(name, recorded, rated), of_key=True)
         elif limit.dimension is not None:
-            wanted = "time" if name == SETTLED else "level" if room else dimension_of(name)
+            wanted = _dimension(name)
             named, do = DIMENSIONS.get(wanted), ""
             expected = "a plain number, in rad/s^2"
             if named is not None:
@@ -55,6 +85,13 @@ def limited_room(name: str) -> str:
     """
     target, _, what = name.rpartition(" ")
     return target if what == RATED else ""
+
+
+def _dimension(name: str) -> str:
+    """The dimension of a limit by what it is of, "" where that is nothing that can be limited."""
+    if name == SETTLED:
+        return "time"
+    return "level" if limited_room(name) else dimension_of(name) if name.rpartition(" ")[2] in _LINEAR else ""
 
 
 def dimension_of(name: str) -> str:

@@ -15,7 +15,7 @@ from femstruct.language.study.body import BodySpec
 from femstruct.language.study.campaign.optimise import CampaignSpec
 from femstruct.language.study.contact import ContactSpec
 from femstruct.language.study.fatigue import FatigueSpec
-from femstruct.language.study.limit import LimitValue
+from femstruct.language.study.limit import Limits
 from femstruct.language.study.link import LinkSpec
 from femstruct.language.study.load import LoadSpec
 from femstruct.language.study.record import Recorded
@@ -59,7 +59,7 @@ class StudyKeys(CampaignSpec):
     record: dict[str, Recorded] = Field(default_factory=dict)
     time: TimeSpec | None = None
     peaks: PeaksSpec = PeaksSpec()
-    limits: dict[str, LimitValue] = Field(default_factory=dict)
+    limits: Limits = Field(default_factory=dict)
     quiet: Instant = 0.0
     rooms: dict[str, AnyRoom] = Field(default_factory=dict)
     cases: dict[str, Changes] = Field(

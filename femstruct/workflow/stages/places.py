@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from femstruct.errors import InputError, some_of
+from femstruct.language.yaml import near_one
 from femstruct.model.meshed import Meshed
 from femstruct.model.probe import Point, Probe, StressPlaces, Surface
 from femstruct.study.asked import VOLUME_VELOCITY, Spot
@@ -41,7 +42,7 @@ class Places:
             asked_by,
             got=f"'{name}'" + (f", which has {len(several)} places" if several else ""),
             expected=f"one of {some_of(several or sorted(self.points)) or 'no points: the structure has none'}",
-            do="name one place" if several else "",
+            do="name one place" if several else near_one(name, self.points),
         )
 
     def pushed(self, one: Vibration) -> Probe | None:

@@ -159,7 +159,8 @@ def _refuse_without_unit(where: str, several: Sequence[Measured]) -> None:
     with_unit = [one.dimension for one in several if one.dimension not in (None, "ratio")]
     if with_unit and plain:
         got = f"{plain[0]:g} without a unit beside {DIMENSIONS[with_unit[0]].words}"
-        do = "values are separated by commas, decimals by a point: 1.5 t"
+        unit = DIMENSIONS[with_unit[0]].unit
+        do = f"values are separated by commas, decimals by a point, as 1.5 {unit}; write {plain[0]:g} with its unit"
         raise InputError(where, got=got, expected="a unit with every value, or with none", do=do)
 
 
