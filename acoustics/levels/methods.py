@@ -164,6 +164,17 @@ def refuse_source(standards: Sequence[str], source: str) -> None:
             raise AcousticsError("levels", got=f"a {source} by {standard}", expected=expected, do=why)
 
 
+def sources_of(standards: Sequence[str]) -> tuple[str, ...]:
+    """The standard sources whose levels all of these standards have.
+
+    >>> sources_of(["ISO 16283-2", "ISO 717-2"]), sources_of(["KS F 2863-2"])
+    (('rubber ball', 'tapping machine'), ('bang machine',))
+    """
+    thirds = (FIELD, RATING)
+    wanted = [RATING if one in thirds else one for one in standards]
+    return tuple(source for source, rated in _RATED_BY.items() if set(wanted) <= set(rated))
+
+
 def rating_of(source: str) -> tuple[str, ...]:
     """The standards that make a single number of what a source makes heard; none of what is no standard source.
 

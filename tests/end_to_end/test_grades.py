@@ -180,7 +180,9 @@ def test_other_blows_are_told_and_other_sources_refused(tmp_path: Path) -> None:
     codes = {
         one.code: one for one in run(tmp_path, ("[JIS A 1419-2, KS F 2863-2]", "ISO 717-2")).cases["thin"].findings
     }
-    told = "require one rubber ball; here the source is bang machine, for JIS A 1419-2 or KS F 2863-2"
+    told = (
+        "require one rubber ball or a tapping machine; here the source is bang machine, for JIS A 1419-2 or KS F 2863-2"
+    )
     assert told in codes["rating-of-other-blows"].message
     for source, expected in (
         (

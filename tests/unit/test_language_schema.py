@@ -83,6 +83,13 @@ def test_keys_whose_name_does_not_say_it_are_described() -> None:
         assert len(told) >= 3 and all(whole), (key, told)
 
 
+def test_the_schema_says_which_standard_is_of_which_source() -> None:
+    """KS F 2863-2 of a rubber ball is refused: a source of its rating was not found."""
+    levels = json_schema("study")["$defs"]["BoxRoomSpec"]["properties"]["levels"]["description"]
+    assert "KS F 2863-2: of a bang machine" in levels
+    assert "ISO 717-2: of a rubber ball or a tapping machine; JIS A 1419-2: of a bang machine or a tapping" in levels
+
+
 @pytest.mark.parametrize(
     ("path", "value"),
     [

@@ -13,7 +13,7 @@ from pydantic import Field
 from acoustics.errors import AcousticsError
 from acoustics.fields.shaped import ShapedRoom
 from acoustics.fields.sound_field import SoundField
-from acoustics.levels.methods import STANDARDS, method_of, refuse_source
+from acoustics.levels.methods import STANDARDS, method_of, refuse_source, sources_of
 from acoustics.losses import Losses
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_two_way import Leak
@@ -91,6 +91,9 @@ class LeakSpec(Spec):
         return Leak(plug if self.inertance is None else self.inertance, self.resistance)
 
 
+_LEVELS: Final = "; ".join(f"{one}: of a {' or a '.join(sources_of([one]))}" for one in STANDARDS)
+
+
 class ClosedSpec(RoomSpec):
     """A room under a surface, or among several."""
 
@@ -107,7 +110,7 @@ class ClosedSpec(RoomSpec):
     coupling: Literal["one-way", "two-way"] = "one-way"
     leak: LeakSpec | None = None
     animate: Annotated[tuple[float | None, ...], read_by(_animated, _Animated | list[_Animated])] = ()
-    levels: Annotated[tuple[str, ...], words_of(STANDARDS)] = ()
+    levels: Annotated[tuple[str, ...], words_of(STANDARDS)] = Field(default=(), description=_LEVELS)
     beyond_modes: Literal["statistical", "blank"] = "statistical"
     ensemble: Annotated[int, read_by(_ensemble, Annotated[int, Field(ge=0, le=MOST_ROOMS)])] = 10
 

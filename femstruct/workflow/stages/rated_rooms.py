@@ -12,7 +12,7 @@ import numpy as np
 
 from acoustics.errors import Advice
 from acoustics.levels.ensemble import Ensemble
-from acoustics.levels.methods import Blows, Method, method_of, rating_of
+from acoustics.levels.methods import Blows, Method, method_of, rating_of, sources_of
 from acoustics.levels.rated import RatedRoom, rate_room
 from acoustics.levels.sound_levels import Levels, equivalent_levels
 from acoustics.room_response import RoomResponse
@@ -151,6 +151,8 @@ def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
         return ()
     told = some_of(dict.fromkeys([*others, *pushed]))
     one = f"one {wanted} with five hammers" if tapping else f"one {wanted}"
+    if not tapping and TAPPING_MACHINE in sources_of(method.standards):
+        one += f" or a {TAPPING_MACHINE}"
     what = "hammers" if tapping else f"{wanted}s"
     here_are = f"{here} {what}{' and ' + told if told else ''} strike" if here else f"the source is {told or 'missing'}"
     elsewhere = rating_of(others[0]) if len(others) == 1 and not here else ()
