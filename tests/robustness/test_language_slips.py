@@ -118,6 +118,10 @@ IN_MODEL = {
         "{type: plate, material: steel, thickness: 2 mm, origin: [0, 0, 0], size: [0.4, 0.3], mesh: 100 mm}",
         "{type: slab, material: steel, thickness: 2 mm, outline: [[0, 0], [1, 0], [1, 1], [0, 1]], mesh: [4, 4]}",
         "parts.sheet.mesh: got a list [4, 4], expected a largest side of its elements; write it like 200 mm"),
+    "a region of corners": ("top: {on: sheet}", "top: {on: sheet, region: [0, 0.2]}",
+        "m.yaml:13:28: surfaces.top.region: got a list [0, 0.2], expected whole, {rectangle: [2.5, 4], at: [1.25, 2]}"),
+    "a region that is a line": ("top: {on: sheet}", "top: {on: sheet, region: {rim: [0.2, 0.1]}}", "13:28: "
+        "surfaces.top.region: got a rim or line, expected an area; use whole or {rectangle: [2.5, 4], at: [1.25, 2]},"),
     "unseen": ("material: steel", "material: steel\u200b", "got a character that cannot be seen (U+200B), expected"),
     "no space in a key": ("  steel:", "  \u00a0steel:", "got a blank that is no space (U+00A0) in a key, expected"),
     "no space in a name": ("material: steel", "material: steel\u00a0", "'steel' looks alike, but has other characters"),
@@ -153,6 +157,9 @@ IN_STUDY = {
         "got '50 dB(A)', expected a level [dB]; write it like 53 dB"),
     "a length of a force": ("time:", "limits: {ground force: 5 lbf}\ntime:", "limits.ground force: got '5 lbf' with an "
         "unknown unit 'lbf', expected a force [N]; known units of a force: N,"),
+    "a window in milliseconds": ("duration: 10 ms, sampling: 10 kHz", "duration: 2000, sampling: 1 kHz", "9:18: "
+        "time.duration: got 2000, expected a unit with a window of more than 300 s; a plain number is in seconds: did "
+        "you mean 2000 ms? Else write 2000 s"),
     "a room that is a number": ("time:", "rooms: {box: 3}\ntime:", "9:14: rooms.box: got 3, expected a mapping"),
     "a motion of nothing": ("time:", "initial: {rigid: {about: O}}\ntime:",
         "initial.rigid: got no velocity and no spin, expected a motion"),

@@ -41,7 +41,11 @@ def _region(value: object) -> object:
     if value == "whole":
         return {}
     if not isinstance(value, dict):
-        raise refuse(shown_as(value), "whole, {rim: [..]}, {rectangle: [..]}, {line: [[..], [..]]} or {set: NAME}")
+        raise refuse(
+            shown_as(value),
+            "whole, {rectangle: [2.5, 4], at: [1.25, 2]} (sides and centre), {rim: [..]}, {line: [[..], [..]]} or "
+            "{set: NAME}",
+        )
     if value.keys() <= {"rim", "rectangle", "line", "at", "set", "box"}:
         exactly_one(value, ("rim", "rectangle", "line", "set", "box"))
     return value

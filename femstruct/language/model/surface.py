@@ -20,4 +20,5 @@ class SurfaceSpec(Spec):
     region: Region = RegionSpec()
 
     def check(self, here: Here) -> None:
-        here.at("region").need(not self.region.is_line, "a rim or line", "an area", "use whole or rectangle")
+        do = "use whole or {rectangle: [2.5, 4], at: [1.25, 2]}, its sides and its centre"
+        here.at("region").need(not self.region.is_line, "a rim or line", "an area", do)

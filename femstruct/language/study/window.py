@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
+from femstruct.errors import shown_as
 from femstruct.language.yaml import (
     FREQUENCY,
     Band,
@@ -15,12 +16,14 @@ from femstruct.language.yaml import (
     Quantity,
     Spec,
     read_by,
+    refuse,
     word_or,
 )
 from femstruct.study.asked import AccuracyRule, Extent, PeakRule, TimePlan
 
 MOST_SAMPLES: Final = 20_000_000
 FEWEST_SAMPLES: Final = 5
+LONGEST_PLAIN: Final = 300.0  # s: impacts and steps last seconds, and 300 ms and more is written as 300
 UNTIL_NEXT: Final = "until next contact"
 
 
@@ -41,11 +44,22 @@ class ModesSpec(Spec):
         return f"{{count: {value}}} or {{up_to: {value} Hz}}" if counted else super().meant_by(value)
 
 
+class _Window(Quantity):
+    """A window: of so many seconds as nobody waits for by hand, the unit is written."""
+
+    def read(self, value: object) -> Any:
+        seconds = super().read(value)
+        if isinstance(value, int | float) and seconds > LONGEST_PLAIN:
+            do = f"a plain number is in seconds: did you mean {seconds:g} ms? Else write {seconds:g} s"
+            raise refuse(shown_as(value), f"a unit with a window of more than {LONGEST_PLAIN:g} s", do)
+        return seconds
+
+
 class TimeSpec(Spec):
     """The window, how densely it is sampled, and whether there is gravity."""
 
     makes = TimePlan
-    duration: Duration
+    duration: Annotated[float, _Window(("time",), above=0.0)]
     sampling: Frequency
     gravity: Flag = False
 
