@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Callable
+from math import log10
 from pathlib import Path
 
 import pytest
@@ -25,6 +27,7 @@ SHORTER = {
     "hammer": [],
     "room": ["modes.up_to=60 Hz", "time.duration=0.1 s"],
 }
+THIRDS = (31.5, 40, 50, 63, 80, 100, 125, 160, 200, 250, 315, 400, 500)
 Outputs = Callable[..., tuple[int, str, str]]
 
 
@@ -79,6 +82,19 @@ def test_all_kinds_are_listed(called: Outputs, tmp_path: Path) -> None:
     code, out, _ = called("new", "--json")
     assert code == 0 and [one["kind"] for one in json.loads(out)] == list(KINDS)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_a_kind_gives_is_what_its_study_asks_for(kind: str) -> None:
+    """The highest third octave is that of which the modes reach 1.25 times the centre; a rating is asked for."""
+    text = named(kind)[f"{kind.replace('-', '_')}.study.yaml"]
+    told, modes = what_of(kind).rpartition(": ")[2], re.search(r"up_to: (\d+) Hz", text)
+    if bands := re.search(r"up to (\d+) Hz", told):
+        assert modes and "rooms:" in text
+        shown = [band for band in THIRDS if 1.25 * 10 ** (round(10 * log10(band)) / 10) <= float(modes[1])]
+        assert float(bands[1]) == shown[-1]
+    assert ("rated" in told) == ("levels: [" in text)
+    assert ("two cases" in told) == (text.count("cases:") == 1) and ("limits" in told) == ("limits:" in text)
 
 
 def test_its_name_is_that_of_the_kind_unless_one_is_given(called: Outputs, tmp_path: Path) -> None:
