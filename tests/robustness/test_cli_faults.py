@@ -155,6 +155,14 @@ def test_numbers_that_nothing_can_be_computed_with(
     assert told in err and err.count("\n") == 1
 
 
+def test_errors_are_text_beside_json_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As the README says: stdout has JSON or nothing."""
+    (tmp_path / "model.yaml").write_text(PLATE.replace("7850", "7850 kg"), encoding="utf-8")
+    assert leave_with(lambda: app(["modes", str(tmp_path / "model.yaml"), "--json"])) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and "expected a density" in told.err
+
+
 def test_more_modes_than_anybody_waits_for_are_refused_with_their_number(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
