@@ -127,7 +127,7 @@ STRUCTURE: Final = (
     ),
     Entry(
         "nothing-holds-it",
-        "Nothing holds the part up, and a room hears it move as a whole.",
+        "Nothing holds the part up, and its motion as a whole sounds in a room.",
         LIMITS,
         "a piece of the structure can move along its weight, has a surface of a closed room, and is simulated without "
         "gravity; not in the half space, where free plates are tested",

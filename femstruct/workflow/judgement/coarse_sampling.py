@@ -54,7 +54,7 @@ def coarse_sampling(study: Study, last_hz: float, modes: int) -> Iterator[Findin
         f"At the sampling of {time.sampling:g} Hz {period}: "
         + (f"{sound}blank" + ("; " if study.records else ". ") if heard else "")
         + (shown + hold if study.records else "")
-        + f"Sample at {needed * last_hz:.4g} Hz or more",
+        + f"Sample at {needed * last_hz:.0f} Hz or more",
         values | {"needed": needed},
         severe=heard,
     )
