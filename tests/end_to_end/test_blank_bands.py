@@ -22,6 +22,7 @@ from femstruct.view.figures.spectra import sound
 from femstruct.view.tables.terminal import show_study
 from femstruct.workflow.check.inspect import inspect_file
 from femstruct.workflow.compare.verdicts import verdicts
+from femstruct.workflow.judgement.blank_bands import blanks_before
 from femstruct.workflow.run.run import run_study
 
 MODEL = Path(__file__).parents[2] / "models" / "bedroom.yaml"
@@ -143,3 +144,16 @@ def test_check_says_beforehand_what_stays_blank(tmp_path: Path) -> None:
     assert found[0].values["cell_m"] == pytest.approx(wave / 6.0, rel=1e-9)  # six cells a wave
     assert f"cells of {1e3 * wave / 6.0:.3g} mm or less" in found[0].message
     assert "no single number" in found[1].message
+
+
+def test_cases_that_differ_by_their_cells_alone_share_a_finding(tmp_path: Path) -> None:
+    """A thinner floor needs smaller cells: one finding, with those."""
+    path = study(tmp_path)
+    cases = read_study(path).cases
+    few = next(case for case in cases if case.name == "few")
+    (part,) = few.study.structure.parts
+    thin = replace(part, thickness=part.thickness / 1.44)
+    other = replace(few, name="thin", study=replace(few.study, structure=replace(few.study.structure, parts=(thin,))))
+    ((room, both),) = blanks_before([few, other])
+    ((_, one),) = blanks_before([few])
+    assert room == "bedroom" and both.values["cell_m"] == pytest.approx(one.values["cell_m"] / 1.2, rel=1e-9)  # h^0.5

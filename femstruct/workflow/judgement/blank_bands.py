@@ -44,13 +44,12 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
     whose = "floor" if complete_below_hz <= plan.complete_below_hz else "room"
     up_to = 10 * ceil(method.passed_hz / 10)
     cell = _cell(plan, study, up_to) if whose == "floor" else None
-    mesh = "" if cell is None else f", and cells of {1e3 * cell:.3g} mm or less, which such modes need"
     return (
         Finding(
             "rating-beyond-modes",
             f"the filters of the rated {method.bands}s pass what is below {method.passed_hz:.0f} Hz, the modes of the "
             f"{whose} end at {end:.0f} Hz: {told} blank{f', and {numbers}' if method.numbers else ''}. Give the "
-            f"{whose} 'modes: {{up_to: {up_to} Hz}}'{mesh}{instead}",
+            f"{whose} 'modes: {{up_to: {up_to} Hz}}'{_mesh(cell)}{instead}",
             {
                 "highest_hz": method.passed_hz,
                 "complete_below_hz": end,
@@ -60,6 +59,11 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
             },
         ),
     )
+
+
+def _mesh(cell: float | None) -> str:
+    """What modes up to there need of the mesh [m], for the message."""
+    return "" if cell is None else f", and cells of {1e3 * cell:.3g} mm or less, which such modes need"
 
 
 def _cell(plan: RoomPlan, study: Study, up_to_hz: float) -> float | None:
@@ -79,7 +83,8 @@ def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
 
 
 def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) -> list[tuple[str, Finding]]:
-    """What the modes that cases ask for will leave blank of the rated bands of their rooms, by room; each once.
+    """What the modes that cases ask for will leave blank of the rated bands of their rooms, by room; each once, with
+    the smallest cell that any of its cases needs.
 
     solved : what the modes of cases are complete to [Hz], by case, where that is known; of others it is what they ask
         for, and nothing is told of a number of modes.
@@ -89,7 +94,11 @@ def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) 
         end = solved.get(case.name, case.study.extent.up_to_hz or inf)
         for plan in case.study.rooms:
             for finding in blank_findings(plan, case.study, end):
-                found.setdefault((plan.name, finding.message), ([], finding))[0].append(case.name)
+                cell = finding.values.get("cell_m")
+                key = plan.name, finding.message.replace(_mesh(cell), "")
+                names, known = found.get(key, ([], finding))
+                finest = finding if cell is not None and cell < known.values.get("cell_m", inf) else known
+                found[key] = [*names, case.name], finest
     return [
         (
             room if len(names) == len(cases) else f"{room} ({', '.join(names)})",
