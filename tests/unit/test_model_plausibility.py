@@ -302,7 +302,8 @@ def test_feet_that_are_tied_to_one_place_far_away_are_named() -> None:
     soft = (2e5, 2e5, 1e6)
     (far,) = (one for one in springs(((2.0, 1.8),), soft, 0.15) if one.code == "spring-with-long-arms")
     longest = np.sqrt(1.0 + 0.8**2 + 0.15**2)  # across x or y the height counts, too
-    assert far.values["arm_m"] <= longest and far.values["arm_m"] == pytest.approx(np.sqrt(1.0 + 0.8**2), rel=1e-9)
+    level = np.sqrt(1.0 + 0.8**2)
+    assert far.values["arm_m"] <= longest and far.values["arm_m"] == pytest.approx(level, rel=1e-9)  # rounding
     assert "all 4 springs act on the one place 'below'" in far.message
     for at, stiffness, to in ((own, soft, 0.15), (own, (0.0, 0.0, 1e6), 2.5)):  # isolators, and props of 2.5 m
         assert "spring-with-long-arms" not in {one.code for one in springs(at, stiffness, to)}
