@@ -158,7 +158,7 @@ def test_a_mesh_that_carries_no_more_stops_it(tmp_path: Path, capsys: pytest.Cap
     write_results(tmp_path / "results.h5", result)
     with h5py.File(tmp_path / "results.h5") as file:
         kept = file["cases/as given/accuracy"]
-        assert kept["share"][()].max() == check.share and not kept.attrs["holds"]
+        assert kept["largest/share"][()].max() == check.share and not kept.attrs["holds"]
 
 
 def test_what_is_asked_is_the_line(tmp_path: Path) -> None:
