@@ -112,8 +112,8 @@ def test_drops_in_terminal_tables_and_file(
     assert told in report(result)
     symbol = "L'_iA,Fmax,V,T"
     row = next(line for line in shown.splitlines() if symbol in line and "as given" in line)
-    assert f"{rated.drops_spread_db[symbol]:.1f} (2)" in row
-    assert f"{rated.receivers_spread_db[symbol]:.1f} (2)" in row
+    spreads = [f"{spread[symbol]:.1f}" for spread in (rated.drops_spread_db, rated.receivers_spread_db)]
+    assert row.split()[5:7] == spreads and "2 drops" in shown and "2 receivers" in shown
     table = summary(result)["cases"]["as given"]
     found = table["rated"]["bedroom"]["numbers"][symbol]
     assert found["drops_spread_db"] == pytest.approx(rated.drops_spread_db[symbol])
