@@ -105,13 +105,23 @@ class _Processes:
     def end(self) -> None:
         """End the processes, whatever they do; not those that somebody else had started before."""
         if self._executor is not None:
+            results = getattr(self._executor, "_result_queue", None)
             self._executor.shutdown(wait=False, cancel_futures=True)
             for child in set(multiprocessing.active_children()) - self._others:
                 child.kill()
+            _close_for_writing(results)
             until = time.monotonic() + PATIENCE
             for thread in set(threading.enumerate()) - self._threads:  # they write to the processes
                 thread.join(max(until - time.monotonic(), 0.0))
         self._executor = None
+
+
+def _close_for_writing(results: Any) -> None:
+    """Close this process's own end of the pipe for results: of one that a killed process has sent half of, the executor
+    waits for the other half as long as anybody could write it, and this process would wait for the executor at its end.
+    """
+    if (writer := getattr(results, "_writer", None)) is not None:
+        writer.close()
 
 
 def _hand_out(

@@ -5,8 +5,10 @@ import json
 import multiprocessing
 import os
 import signal
+import struct
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -17,7 +19,7 @@ import numpy as np
 import pytest
 import xarray
 
-from femstruct.campaign.executors import GONE, crew
+from femstruct.campaign.executors import GONE, _pool, _Processes, crew
 from femstruct.campaign.forecast import planned
 from femstruct.campaign.gathered import versions
 from femstruct.campaign.journal import Row, is_of, opened
@@ -436,6 +438,18 @@ def test_processes_are_ended_without_ending_this_one() -> None:
         assert signal.getsignal(signal.SIGPIPE) == signal.SIG_DFL
     finally:
         signal.signal(signal.SIGPIPE, before)
+
+
+def test_a_process_that_is_killed_while_it_sends_rows_keeps_nobody_waiting() -> None:
+    """Half of a message is in the pipe, as when the kill comes in the middle of it: 100 bytes announced, 1 sent."""
+    processes = _Processes(1)
+    before = set(threading.enumerate())
+    processes._threads, processes._others = before, set(multiprocessing.active_children())
+    processes._executor = executor = _pool(1)
+    assert executor.submit(int).result() == 0
+    os.write(executor._result_queue._writer.fileno(), struct.pack("!i", 100) + b"x")
+    processes.end()
+    assert set(threading.enumerate()) <= before
 
 
 @pytest.mark.stress

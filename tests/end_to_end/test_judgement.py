@@ -246,7 +246,7 @@ def undamped(folder: Path, damping: str, changes: str = "", window: str = "0.1 s
     hit = STUDY.replace("1 kHz", "500 Hz").replace("5 ms", window) + changes
     (folder / "hit.study.yaml").write_text(hit, encoding="utf-8")
     told = [one for one in inspect_file(folder / "hit.study.yaml").table()["findings"] if one["code"] == "undamped"]
-    return told[0] if told else None
+    return json.loads(json.dumps(told[0])) if told else None
 
 
 ROOM = "rooms: {box: {size: [0.6, 0.4, 0.3], under: below, receivers: {mic: [0.1, 0.1, 0.1]}%s}}\n"

@@ -33,7 +33,7 @@ def undamped_motion(studies: Sequence[Study], basis: ModalBasis) -> tuple[Findin
     if not bare.any() or basis.frequency_hz[bare][0] * study.time.duration <= PERIODS:
         return ()
     count, first = int(bare.sum()), float(basis.frequency_hz[bare][0])
-    whole = count == elastic.sum()
+    whole = bool(count == elastic.sum())
     heard = some_of([plan.name for plan in study.rooms if plan.coupling == "one-way"])
     which = "No mode has damping" if whole else f"{count} of {elastic.sum()} modes have no damping"
     return (
@@ -50,7 +50,9 @@ def undamped_motion(studies: Sequence[Study], basis: ModalBasis) -> tuple[Findin
 
 def _advice(study: Study, basis: ModalBasis) -> str:
     if isinstance(study.damping.base, FromMaterials):
-        return "Give a 'loss_factor' to the materials of the parts that move in them"
+        air = isinstance(study.structure, Structure) and study.structure.cavities
+        beside = ". Air of a cavity without wool has no losses of its own" if air else ""
+        return f"Give a 'loss_factor' to the materials of the parts that move in them{beside}"
     unused = [part for part, loss in basis.loss_factors.items() if np.max(loss_at(loss, basis.frequency_hz)) > 0.0]
     if not unused:
         return "Give the model a 'damping', such as 'damping: {loss_factor: 2 %}'"
