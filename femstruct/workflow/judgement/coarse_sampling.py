@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import ceil
 
 import numpy as np
 
@@ -54,7 +55,7 @@ def coarse_sampling(study: Study, last_hz: float, modes: int) -> Iterator[Findin
         f"At the sampling of {time.sampling:g} Hz {period}: "
         + (f"{sound}blank" + ("; " if study.records else ". ") if heard else "")
         + (shown + hold if study.records else "")
-        + f"Sample at {needed * last_hz:.0f} Hz or more",
+        + f"Sample at {ceil(needed * last_hz)} Hz or more",
         values | {"needed": needed},
         severe=heard,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import ceil
 
 import numpy as np
 
@@ -130,7 +131,7 @@ def aliased_findings(response: Response, accelerations: Mapping[str, Floats]) ->
                     "motion-coarsely-sampled",
                     f"{name}: modes and residual vectors above half the sampling frequency, {half:.5g} Hz, have an rms "
                     f"value of {part:.4g} m/s^2, all together {whole:.4g} m/s^2. They appear at wrong frequencies. "
-                    f"Sample at {2.0 * response.basis.frequency_hz.max():.0f} Hz or more, or use a low-pass on a "
+                    f"Sample at {ceil(2.0 * response.basis.frequency_hz.max())} Hz or more, or use a low-pass on a "
                     "velocity",
                     {"above_half_m_s2": part, "rms_m_s2": whole, "allowed": ALIASED, "half_sampling_hz": half},
                 )
