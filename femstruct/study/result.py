@@ -29,60 +29,12 @@ from femstruct.sound.power import PowerResponse, Radiated
 from femstruct.study.asked import FrfRequest
 from femstruct.study.machine import Machine, Verdict
 from femstruct.study.measured_source import InstalledSource
+from femstruct.study.recorded import Channel
 from femstruct.study.study import Case, Plan
 
 _LEVELS: Final = "Levels at the receivers, ROOM.RECEIVER"
 _TOTAL_LEVELS: Final = "Levels of structure and striking bodies together, ROOM.RECEIVER"
 _LEVEL: Final = "Levels at one receiver"
-NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
-
-
-@dataclass(frozen=True, eq=False)
-class LargestStress:
-    """The largest equivalent stress of von Mises that every place of a part ever has, filtered as peaks are.
-
-    places [p, 3] [m], sides : as `femstruct.model.probe.StressPlaces`. largest [p] [Pa], time [p] [s] : when it has it.
-    jump, falls : of the largest stress of all, the share by which the cells differ that meet at its place, and the
-    share by which it is smaller at the places next to it.
-    """
-
-    places: Annotated[Floats, Reported("m", "Where, global axes", along=("place", "direction"))]
-    sides: tuple[str, ...]
-    largest: Annotated[Floats, Reported("Pa", "Largest equivalent stress of von Mises", along=("place",))]
-    time: Annotated[Floats, Reported("s", "When", along=("place",))]
-    jump: Annotated[float, Reported("1", "Difference between the cells at the most stressed place, as a share")]
-    falls: Annotated[float, Reported("1", "How much smaller it is next to the most stressed place, as a share")]
-
-    @property
-    def worst(self) -> int:
-        """Number of the most stressed place."""
-        return int(self.largest.argmax())
-
-    @property
-    def where(self) -> Annotated[str, Reported("1", "The most stressed place")]:
-        """The most stressed place in words."""
-        x, y, z = self.places[self.worst].round(6) + 0.0  # no -0, no traces of rounding
-        side = self.sides[self.worst % len(self.sides)]
-        return f"({x:.4g}, {y:.4g}, {z:.4g}) m{f', {side}' if side else ''}"
-
-
-@dataclass(frozen=True, eq=False)
-class Channel:
-    """A recorded history: values [nt] at the times of its case, ``case.response.t`` [nt] [s], its unit, and the peaks
-    of |values| [unit] in the first impact (as `PeakRule` has it) and in the whole window.
-
-    by_modes : the same peaks of the motion of a point in its true modes, without residual vectors; None for what is no
-    such motion, or where there are none; of a stress likewise. stressed : of a stress, which is the largest anywhere in
-    its part at each time, where it is largest ever.
-    """
-
-    name: str
-    values: Floats
-    unit: str
-    first_impact: float
-    whole: float
-    by_modes: tuple[float, float] | None = None
-    stressed: LargestStress | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,15 +40,8 @@ from femstruct.parts.of_frames.frame_mesh import FrameMesh
 from femstruct.parts.of_plates.plate_mesh import PlateMesh
 from femstruct.parts.plate import Plate
 from femstruct.study.asked import Extent, FrfRequest, RoomPlan, Spot, TimePlan
-from femstruct.study.result import (
-    CaseComparison,
-    CaseResult,
-    Channel,
-    Comparison,
-    Frf,
-    PeakChange,
-    StudyResult,
-)
+from femstruct.study.recorded import Channel
+from femstruct.study.result import CaseComparison, CaseResult, Comparison, Frf, PeakChange, StudyResult
 from femstruct.study.study import Case, Plan, Study
 
 LX, LY = 0.4, 0.32

@@ -12,7 +12,8 @@ from femstruct.files.results_file.results import write_results
 from femstruct.files.results_file.stored import read_results
 from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
-from femstruct.study.result import Channel, StudyResult
+from femstruct.study.recorded import Channel
+from femstruct.study.result import StudyResult
 from femstruct.view.report import report
 from femstruct.view.tables.machine_table import machine
 from femstruct.workflow.compare.finished import beside, names_of

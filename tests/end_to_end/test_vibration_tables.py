@@ -10,7 +10,8 @@ import pytest
 
 from femstruct import Material, Plate, Structure, mesh_structure, read_study, run_study
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer
-from femstruct.study.result import LargestStress, StudyResult
+from femstruct.study.recorded import LargestStress
+from femstruct.study.result import StudyResult
 from femstruct.view.figures.energy_over_time import energy
 from femstruct.view.figures.shaken_figures import vibration_answer
 from femstruct.view.scenes.labels import VIEW

@@ -19,7 +19,7 @@ from acoustics.receivers import Receiver
 from acoustics.rooms.pressure_maps import PressureMap
 from femstruct.modal.analytic import given_modes
 from femstruct.study.asked import RoomPlan, TimePlan
-from femstruct.study.result import Channel
+from femstruct.study.recorded import Channel
 from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
 from femstruct.view.figures.energy_over_time import energy
 from femstruct.view.figures.histories import contact_forces, history, travels

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.study.result import Channel
+from femstruct.study.recorded import Channel
 from femstruct.workflow.compare import at_modes as module
 from femstruct.workflow.compare.at_modes import Spectra, spectral_size
 from femstruct.workflow.compare.compare import NO_NODE, compare

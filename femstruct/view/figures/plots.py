@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from femstruct.files.atomic import file_name
-from femstruct.study.result import NET_FORCE, StudyResult
+from femstruct.study.recorded import NET_FORCE
+from femstruct.study.result import StudyResult
 from femstruct.view.figures import undrawn
 from femstruct.view.figures.drawing import save
 from femstruct.view.figures.energy_over_time import energy

@@ -11,7 +11,8 @@ import scipy
 from femstruct.arrays import Floats
 from femstruct.files.atomic import file_name
 from femstruct.model.model import Model
-from femstruct.study.result import CaseResult, LargestStress, StudyResult
+from femstruct.study.recorded import LargestStress
+from femstruct.study.result import CaseResult, StudyResult
 from femstruct.view.scenes.labels import VIEW, Label, apart
 from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
 from femstruct.view.scenes.scene import add_scales, save_scene

@@ -13,7 +13,8 @@ from acoustics.levels.sound_levels import Levels
 from femstruct.errors import some_of
 from femstruct.files.tables.finding_tables import findings_by_case, unquotable
 from femstruct.reported import reported
-from femstruct.study.result import NET_FORCE, CaseComparison, CaseResult, StudyResult
+from femstruct.study.recorded import NET_FORCE
+from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, first_impact, outcomes, trust
 from femstruct.view.tables.answer_tables import evaluations, fatigue, harmonic, moved_masses, random, stresses
 from femstruct.view.tables.array_table import arrays

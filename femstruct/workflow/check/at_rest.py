@@ -22,7 +22,7 @@ from femstruct.model.model import Model
 from femstruct.model.probe import Probe
 from femstruct.model.structure import Structure
 from femstruct.parts.substructure import Substructure
-from femstruct.study.result import LargestStress
+from femstruct.study.recorded import LargestStress
 from femstruct.units import quantity
 from femstruct.workflow.judgement.structure_findings import structure_findings_before
 from femstruct.workflow.stages.places import Places

@@ -9,7 +9,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.study.result import NET_FORCE, CaseResult, Channel
+from femstruct.study.recorded import NET_FORCE, Channel
+from femstruct.study.result import CaseResult
 
 NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
 FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some, ...

@@ -9,7 +9,8 @@ import numpy as np
 
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.likeness import pairing, share_nodes
-from femstruct.study.result import CaseComparison, CaseResult, Channel, Comparison, PeakChange
+from femstruct.study.recorded import Channel
+from femstruct.study.result import CaseComparison, CaseResult, Comparison, PeakChange
 from femstruct.workflow.compare.at_modes import RESOLVED, Spectra, mode_attenuation
 from femstruct.workflow.stages.recorded.peaks import agree, two_changes
 from femstruct.workflow.stages.recorded.windowed_peaks import filter_sentence

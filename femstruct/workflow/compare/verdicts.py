@@ -16,7 +16,8 @@ from femstruct.impact.result.blow_by_blow import AT_REST, structure_energy
 from femstruct.impact.result.response import Response
 from femstruct.study.asked import SETTLED, Limit
 from femstruct.study.machine import Verdict
-from femstruct.study.result import CaseResult, Channel, Drop
+from femstruct.study.recorded import Channel
+from femstruct.study.result import CaseResult, Drop
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.recorded.channels import record

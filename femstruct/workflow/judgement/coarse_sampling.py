@@ -11,7 +11,7 @@ from femstruct.errors import Finding
 from femstruct.impact.closer import ENOUGH, FOLDED, factor_for, factor_of, pulses_hz, samples_of_a_pulse
 from femstruct.impact.result.response import Response
 from femstruct.study.asked import RoomPlan
-from femstruct.study.result import Channel
+from femstruct.study.recorded import Channel
 from femstruct.study.study import Study
 from femstruct.units import readable
 

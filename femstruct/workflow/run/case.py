@@ -18,7 +18,8 @@ from femstruct.sound.power import Radiated
 from femstruct.sound.surface import coupling_findings
 from femstruct.study.asked import VOLUME_VELOCITY
 from femstruct.study.measured_source import InstalledSource
-from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Channel, Drop, Frf
+from femstruct.study.recorded import Channel
+from femstruct.study.result import NO_OWN_SOUND, AccuracyCheck, CaseResult, Drop, Frf
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Case, Study
 from femstruct.workflow.compare.verdicts import judged

@@ -14,7 +14,8 @@ from femstruct.impact.result.shares import ModeEnergies, mode_energies
 from femstruct.impact.scene.bodies import Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ModalBasis
-from femstruct.study.result import CaseResult, Channel
+from femstruct.study.recorded import Channel
+from femstruct.study.result import CaseResult
 from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.coarse_sampling import missed_peaks, missed_pulses
 from femstruct.workflow.judgement.impact_findings import aliased_findings

@@ -22,7 +22,7 @@ from femstruct.modal.steady.resonant_lines import resonant_lines
 from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress, stress_components
 from femstruct.modal.superposition import Complex
 from femstruct.study.asked import Spot
-from femstruct.study.result import LargestStress
+from femstruct.study.recorded import LargestStress
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places

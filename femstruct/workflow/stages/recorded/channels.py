@@ -17,7 +17,7 @@ from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.model.probe import StressPlaces
 from femstruct.study.asked import PeakRule, Record, RoomPlan
-from femstruct.study.result import NET_FORCE, Channel
+from femstruct.study.recorded import NET_FORCE, Channel
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places

@@ -7,7 +7,7 @@ from typing import Any
 
 from femstruct.errors import Finding
 from femstruct.impact.evaluations.known_evaluations import EVALUATIONS
-from femstruct.study.result import Channel
+from femstruct.study.recorded import Channel
 from femstruct.study.study import Study
 
 

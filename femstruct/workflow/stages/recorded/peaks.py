@@ -16,7 +16,7 @@ from femstruct.errors import Finding
 from femstruct.impact.result.fatigue import Fatigue, SNLine, counted, counted_on_planes
 from femstruct.impact.result.response import Response
 from femstruct.study.counting import FatigueRequest
-from femstruct.study.result import Channel
+from femstruct.study.recorded import Channel
 from femstruct.study.study import Study
 from femstruct.units import readable
 from femstruct.workflow.stages.places import Places

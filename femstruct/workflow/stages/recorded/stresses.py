@@ -17,7 +17,7 @@ from femstruct.modal.steady.steady_stresses import Amount
 from femstruct.model.materials.orthotropic import Orthotropic
 from femstruct.model.probe import StressPlaces
 from femstruct.model.structure import Structure
-from femstruct.study.result import LargestStress
+from femstruct.study.recorded import LargestStress
 
 AT_ONCE: Final = 4_000_000
 """Stresses that are evaluated at once, 32 MB: of all places at as many samples as that makes."""
