@@ -46,6 +46,12 @@ def all_findings(
             *undamped_motion(studies, basis),
             *(finding for request in requests for finding in undamped_findings(basis, request)),
             *(finding for study in studies[:1] for one in study.vibration for finding in beyond_modes(one, basis)),
+            *(
+                told
+                for study in studies[:1]
+                for one in study.evaluations
+                for told in one.doubts(basis.complete_below_hz)
+            ),
         )
     )
 

@@ -46,7 +46,7 @@ from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
 from femstruct.workflow.stages.recorded.channels import refuse_absent_forces
-from femstruct.workflow.stages.recorded.evaluated import evaluated, evaluation_findings
+from femstruct.workflow.stages.recorded.evaluated import evaluated
 from femstruct.workflow.stages.recorded.peaks import damage_findings
 from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
@@ -141,7 +141,6 @@ def known_before(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyC
     return [
         *all_findings(own, basis, case.studies, case.study.frf),
         *study_findings(case, own.places),
-        *evaluation_findings(case.study, basis.complete_below_hz),
         *coarse_sampling(case.study, last_mode_hz(basis), len(basis.omega)),
         *(accuracy_findings(accuracy) if accuracy is not None else ()),
         *covered_floor(case.studies, own.places, basis),

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from femstruct.errors import Finding
 from femstruct.impact.evaluations.known_evaluations import EVALUATIONS
 from femstruct.study.recorded import Channel
 from femstruct.study.study import Study
@@ -18,9 +17,3 @@ def evaluated(study: Study, channels: Mapping[str, Channel]) -> dict[str, dict[s
         for one in study.evaluations:
             found.setdefault(one.key(), {})[one.name] = one.answer(channels[one.channel].values, study.time.sampling)
     return found
-
-
-def evaluation_findings(study: Study, complete_below_hz: float) -> Iterator[Finding]:
-    """What is to be known of them where the modes are complete below a frequency [Hz]."""
-    for one in study.evaluations:
-        yield from one.doubts(complete_below_hz)
