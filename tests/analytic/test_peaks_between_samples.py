@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 from typer.testing import CliRunner
 
 from femstruct.cli import app
@@ -18,7 +19,7 @@ from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes, oscillator
 from femstruct.study.result import CaseResult
 from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.recorded.windowed_peaks import between
+from femstruct.workflow.stages.recorded.windowed_peaks import between, in_band
 
 LOW = 0.995  # two of 32 samples a period beside the top of a sine: 1 - (pi / 32)^2 / 2
 SWEEP = [500.0, 900.0, 1e3, 1.7e3, 2e3, 3.3e3, 5e3, 12e3, 31e3, 48e3]
@@ -272,3 +273,88 @@ def test_few_samples_of_what_is_recorded_and_heard_have_one_need(tmp_path: Path)
         last = found["values"]["last_mode_hz"]
         assert found["message"].endswith(f"Sample at {ceil(samples * last)} Hz or more")
         assert found["message"].count("Sample at") == 1 and "at lower frequencies" in found["message"]
+
+
+STRUCK = """model: model.yaml
+bodies: {a: {mass: 1 kg, above: m, speed: 1 m/s}}
+contacts: {c: {between: [a, m], law: {type: linear, stiffness: 1 MN/m, damping: 800 N*s/m}}}
+record: {m.z: [acceleration, velocity], a: [velocity, displacement, travel], ground: force}
+time: {duration: 0.3 s, sampling: 40 kHz}
+peaks: {lowpass: 50 Hz}
+"""
+
+
+def own_low_pass(values: np.ndarray, before: np.ndarray, sampling: float, edge: float) -> np.ndarray:
+    """The filter of the peaks by another form (one polynomial, no paddings of scipy) behind what was before."""
+    b, a = scipy.signal.butter(4, edge, fs=sampling)
+    whole = np.concatenate((before, values, np.full(len(before), values[-1])))
+    there = scipy.signal.lfilter(b, a, whole - whole[-1])[::-1]
+    return (scipy.signal.lfilter(b, a, there)[::-1] + whole[-1])[len(before) : -len(before)]
+
+
+def test_a_structure_was_at_rest_before_a_blow_whose_force_jumps(tmp_path: Path) -> None:
+    """A dashpot pushes with 800 N at once: the first sample, -80 m/s^2, was held for a state of rest (52.2 m/s^2).
+    Bound of the peak below f: dv 2 f (pi / 8) / sin(pi / 8), reached by a blow much shorter than 1 / f."""
+    model = "structure: {type: oscillator, mass: 10 kg, frequency: 5 Hz}\ndamping: {ratio: 2 %}\npoints: {m: {}}\n"
+    (tmp_path / "model.yaml").write_text(model, encoding="utf-8")
+    (tmp_path / "hit.study.yaml").write_text(STRUCK, encoding="utf-8")
+    case = run(tmp_path / "hit.study.yaml")
+    channels = case.channels
+    dv = float(np.abs(channels["m.z velocity"].values).max())
+    bound = dv * 2.0 * 50.0 * (np.pi / 8.0) / np.sin(np.pi / 8.0)
+    # 2.4 ms of contact at 50 Hz: 1 - (2 pi 50 0.7 ms)^2 / 2 is 0.97; the spring takes some of it
+    assert 0.95 * bound < channels["m.z acceleration"].whole < bound
+    lead = np.arange(-40_000, 0) / 40e3  # 1 s, 50 periods of the edge
+    body = channels["a displacement"].values
+    for name, before in {
+        "m.z acceleration": 0.0 * lead,
+        "m.z velocity": 0.0 * lead,
+        "ground force": 0.0 * lead,
+        "a velocity": np.full(len(lead), -1.0),
+        "a displacement": -lead,
+        "a travel": -lead,
+    }.items():
+        own = own_low_pass(channels[name].values, before, 40e3, 50.0)
+        # the polynomial's rounding at 50 Hz of 40 kHz is 1e-9; what moves on at the end is cut off by both in one way
+        assert channels[name].whole == pytest.approx(np.abs(own).max(), rel=1e-6), name
+    assert body[0] == 0.0
+
+
+@pytest.mark.parametrize("lowest", [0.0, 20.0])
+def test_a_filter_needs_no_room_before_the_start(lowest: float) -> None:
+    """A jump at the first sample, and a history that is over long before its end, against zeros of 2 s around it."""
+    sampling = 5e3
+    t = np.arange(600) / sampling
+    values = np.exp(-300.0 * t) * np.cos(900.0 * t)
+    silence = np.zeros(10_000)
+    wide = in_band(np.concatenate((silence, values, silence)), sampling, (lowest, 90.0))[10_000:10_600]
+    # exp(-36) is left of it at its end, 1e-9 of the filter after ten periods of its lowest edge
+    assert np.abs(in_band(values, sampling, (lowest, 90.0)) - wide).max() < 1e-8 * np.abs(wide).max()
+
+
+def test_preloads_and_flights_were_there_before(tmp_path: Path) -> None:
+    """Nothing happens: a weight lies on a contact, a carriage rolls free. Low-passed they are what they are."""
+    (tmp_path / "model.yaml").write_text(
+        "parts: {b: {type: block, mass: 10 kg, origin: [0, 0, 0], size: [1, 1, 1]}}\npoints: {m: {on: b, at: top}}\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "roll.study.yaml").write_text(
+        "model: model.yaml\nmodes: {count: 6}\ninitial: {velocity: {m.z: 2 m/s}}\n"
+        "record: {m.z: [velocity, displacement, acceleration]}\n"
+        "time: {duration: 0.1 s, sampling: 2 kHz}\npeaks: {lowpass: 100 Hz}\n",
+        encoding="utf-8",
+    )
+    channels = run(tmp_path / "roll.study.yaml").channels
+    assert channels["m.z velocity"].whole == pytest.approx(2.0, rel=1e-9)  # rounding of the filter
+    assert channels["m.z acceleration"].whole == 0.0
+    (tmp_path / "none.yaml").write_text("structure: none\n", encoding="utf-8")
+    (tmp_path / "lie.study.yaml").write_text(
+        "model: none.yaml\nbodies: {x: {mass: 2 kg, above: ground}}\n"
+        "contacts: {c: {between: [x, ground], law: {type: linear, stiffness: 1 MN/m}}}\n"
+        "record: {x: [velocity, displacement], c: force}\n"
+        "time: {duration: 0.1 s, sampling: 2 kHz, gravity: true}\npeaks: {lowpass: 100 Hz}\n",
+        encoding="utf-8",
+    )
+    channels = run(tmp_path / "lie.study.yaml").channels
+    assert channels["x velocity"].whole < 1e-12  # m/s
+    assert channels["c force"].whole == pytest.approx(2.0 * 9.80665, rel=1e-12)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import nan
 
@@ -23,6 +23,8 @@ from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.recorded.stresses import largest_stress, walked
 from femstruct.workflow.stages.recorded.windowed_peaks import (
+    AT_REST,
+    Before,
     Peaks,
     between,
     first_alone,
@@ -77,7 +79,8 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
     peaks = Peaks(study.peaks, seen.clock.sampling, first_window(study.peaks, seen))
     alone = first_alone(seen, peaks.window)
     moving = None if study.peaks.lowpass_hz is not None else alone  # a filter needs what comes later
-    found = {name: peaks.of(fine[name][0]) for name in kept}
+    rest = before_start(study, places, seen)
+    found = {name: peaks.of(fine[name][0], rest.get(name, AT_REST)) for name in kept}
     if moving is not None:
         found = {n: raised(found[n], values) for n, (values, _) in histories(study, places, moving).items()}
     for name, one in _contacts(study, seen).items():
@@ -90,7 +93,7 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
     channels = {name: Channel(name, values, unit, *found[name]) for name, (values, unit) in (kept | pressures).items()}
     true = np.array([kind != "residual" for kind in response.basis.kind])
     for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
-        pair = peaks.of(moved(seen, what, row * true))
+        pair = peaks.of(moved(seen, what, row * true), rest.get(name, AT_REST))
         by_modes = pair if moving is None else raised(pair, moved(moving, what, row * true))
         channels[name] = replace(channels[name], by_modes=by_modes)
     return channels | _stresses(stresses, study.peaks, places, response, seen, moving) if stresses else channels
@@ -136,6 +139,44 @@ def histories(study: Study, places: Places, response: Response) -> dict[str, tup
         if wanted.what != STRESS:
             found |= _recorded(wanted, study, places, response)
     return found | {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
+
+
+def before_start(study: Study, places: Places, response: Response) -> dict[str, Before]:
+    """What the recorded histories were before the first sample, by channel, where that is not nothing: bodies and free
+    structures flew, preloads and weights were held. Supported structures, and all accelerations and forces that come
+    with the blow, were not there."""
+    scene, found = response.scene, dict[str, Before]()
+    held = {contact.name: contact.preload for contact in scene.contacts}
+    pressed = held | {link.name: link.preload for link in scene.links if link.release_at == 0.0}
+    rigid = np.array([kind == "rigid" for kind in response.basis.kind], dtype=bool)
+    flown = None if scene.velocity is None else np.where(rigid, scene.velocity, 0.0)
+    late = {blows.body for blows in scene.blows if blows.times[0] > 0.0}
+    pulled = {body.name: -scene.gravity * (body.falls and body.name not in late) for body in scene.bodies}
+
+    def speed(name: str, row: Floats | None = None) -> float:
+        if name in response.bodies:
+            return float(response.bodies[name].velocity[0])
+        return 0.0 if flown is None or row is None else float(row @ flown)
+
+    rows = {} if flown is None else motion_rows(study, places, response.basis)
+    for name, (what, row) in rows.items():
+        found[name] = {"displacement": Before(0.0, speed("", row)), "velocity": Before(speed("", row))}.get(
+            what, AT_REST
+        )
+    targets = {body.name: body.target for body in study.bodies}
+    for wanted in study.records:
+        name, what = wanted.target, wanted.what
+        if what == "force" and name in pressed:
+            found[str(wanted)] = Before(pressed[name])
+        elif name in response.bodies and what in ("displacement", "velocity", "travel"):
+            at, rate = float(response.bodies[name].displacement[0]), speed(name)
+            if what == "travel" and targets[name] != GROUND:
+                rate -= speed(targets[name], _row_along(targets[name], study, places, response))
+            found[str(wanted)] = Before(rate, pulled[name]) if what == "velocity" else Before(at, rate)
+    for name, contact, sign in _touched(study, places, response):
+        net = f"{NET_FORCE}{name}"
+        found[net] = Before(found.get(net, AT_REST).level + sign * held[contact])
+    return found
 
 
 def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
@@ -251,18 +292,31 @@ def motion_of(name: str, study: Study, places: Places, response: Response) -> Fl
     """Displacement [nt] of a body or a point along the axis of the bodies [m]."""
     if name in response.bodies:
         return response.bodies[name].displacement
-    return response.displacement(places.point(name, "bodies").probe(axis_of(study)).of(response.basis.shapes))
+    row = _row_along(name, study, places, response)
+    return np.zeros(len(response.t)) if row is None else response.displacement(row)
+
+
+def _row_along(name: str, study: Study, places: Places, response: Response) -> Floats | None:
+    """Modal row [k] of a point along the axis of the bodies; None for a body and the ground."""
+    if name in response.bodies or name == GROUND:
+        return None
+    return places.point(name, "bodies").probe(axis_of(study)).of(response.basis.shapes)
 
 
 def _net_forces(study: Study, places: Places, response: Response) -> dict[str, Floats]:
     """Sum of all contact forces on every point of the structure that contacts touch, positive along the axis."""
     sums: dict[str, Floats] = {}
-    for planned in planned_contacts(study):
-        force = response.contacts[planned.name].force
-        for name, sign in zip(ordered(study, places, planned), (1.0, -1.0), strict=True):
-            if name != "ground" and name not in response.bodies:
-                sums[name] = sums.get(name, 0.0) + sign * force
+    for name, contact, sign in _touched(study, places, response):
+        sums[name] = sums.get(name, 0.0) + sign * response.contacts[contact].force
     return sums
+
+
+def _touched(study: Study, places: Places, response: Response) -> Iterator[tuple[str, str, float]]:
+    """Points of the structure that contacts touch, each with its contact and which way that pushes it."""
+    for planned in planned_contacts(study):
+        for name, sign in zip(ordered(study, places, planned), (1.0, -1.0), strict=True):
+            if name != GROUND and name not in response.bodies:
+                yield name, planned.name, sign
 
 
 def _pressures(plan: RoomPlan, room: RoomResponse) -> dict[str, tuple[Floats, str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import nan
+from typing import Final, NamedTuple
 
 import numpy as np
 import scipy
@@ -72,19 +73,47 @@ def raised(peaks: tuple[float, float], values: Floats) -> tuple[float, float]:
     return max(peaks[0], first), max(peaks[1], first)
 
 
-def in_band(values: Floats, sampling: float, band: tuple[float, float]) -> Floats:
+class Before(NamedTuple):
+    """A history before its first sample: `level` at the start, to which it came by `rate` a second."""
+
+    level: float = 0.0
+    rate: float = 0.0
+
+
+AT_REST: Final = Before()
+
+
+def in_band(values: Floats, sampling: float, band: tuple[float, float], before: Before = AT_REST) -> Floats:
     """Histories [.., nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass if one is 0.
 
-    It goes on as it was before the start and after the end: a structure at rest has been at rest.
+    before : what they were before the start; nothing, of a structure at rest. After the end they keep their last value.
+
+    Notes
+    -----
+    The first sample is no state of rest: an acceleration jumps when a dashpot is struck. What was before is a straight
+    line, which a low-pass leaves as it is and a band-pass removes; the rest begins from zero, and so does the filter.
+
+    The impulse of 2 N s of a triangle on 1 kg, its acceleration below 50 Hz: dv 2 f (pi/8) / sin(pi/8)
+
+    >>> t = np.arange(8000) / 40e3
+    >>> found = in_band(np.maximum(4000.0 * (1.0 - 1000.0 * t), 0.0), 40e3, (0.0, 50.0))
+    >>> round(float(found.max()) / (2.0 * 2.0 * 50.0 * (np.pi / 8) / np.sin(np.pi / 8)), 2)
+    1.0
     """
     low, high = band
     if low > 0.0:
         sos = scipy.signal.butter(FILTER_ORDER, (low, high), "bandpass", fs=sampling, output="sos")
     else:
         sos = scipy.signal.butter(FILTER_ORDER, high, "lowpass", fs=sampling, output="sos")
-    padding = min(int(SETTLED * sampling / (low or high)), values.shape[-1] - 1)
-    filtered: Floats = scipy.signal.sosfiltfilt(sos, values, padtype="constant", padlen=padding)
-    return filtered
+    count, tail = values.shape[-1], int(SETTLED * sampling / (low or high))
+    line = before.level + before.rate * np.arange(count + tail) / sampling
+    found = np.empty(values.shape)
+    for row, out in zip(values.reshape(-1, count), found.reshape(-1, count), strict=True):  # long tails, one at a time
+        whole = np.concatenate((row, np.full(tail, row[-1]))) - line
+        there = scipy.signal.sosfilt(sos, whole)[::-1]
+        back, _ = scipy.signal.sosfilt(sos, there, zi=scipy.signal.sosfilt_zi(sos) * there[0])
+        out[:] = back[::-1][:count]
+    return found if low > 0.0 else found + line[:count]
 
 
 @dataclass(frozen=True)
@@ -95,10 +124,10 @@ class Peaks:
     sampling: float
     window: float
 
-    def of(self, values: Floats) -> tuple[float, float]:
+    def of(self, values: Floats, before: Before = AT_REST) -> tuple[float, float]:
         """Peaks of |values| in the first impact and in the whole record."""
         if self.rule.lowpass_hz is not None:
-            values = in_band(values, self.sampling, (0.0, self.rule.lowpass_hz))
+            values = in_band(values, self.sampling, (0.0, self.rule.lowpass_hz), before)
         size = np.abs(values)
         largest = float(size.max())
         first = float(size[np.arange(len(size)) / self.sampling <= self.window].max(initial=0.0))
