@@ -36,6 +36,7 @@ FINER = 1  # halvings of the longest step, for the same reason
 SHORTER = (0.83, 0.7, 0.59)  # of the shortest step of an exact march: others round otherwise; two may agree by luck
 STRICTEST = 1e-13  # tolerance below which the steps are those of rounding
 LEAST_ERROR = 1e-13  # of a peak force or a speed: what no tolerance takes away
+FAINT = 1e-9  # of the largest force or speed of all: one below is rounding of the others, and is compared with that
 
 
 @dataclass(frozen=True)
@@ -242,15 +243,19 @@ def _compared(
     """The largest differences to other runs; rounding : what all may be wrong by, as a share."""
     ended = all(other.ended for other in others)
 
+    speeds = {name: float(np.abs(body.velocity).max()) for name, body in response.bodies.items()}
+    fastest = FAINT * max(speeds.values(), default=0.0)
+
     def resolved(value: float, beside: Sequence[float], scale: float) -> Resolved:
         apart = max(abs(value - one) for one in beside)
         return Resolved(value, apart + rounding * scale if ended else np.inf, scale)
 
     def forces(mine: Peaks, theirs: Sequence[Peaks]) -> dict[str, Resolved]:
         found = {}
+        least = FAINT * max((force for peaks in (mine, *theirs) for force, _ in peaks.values()), default=0.0)
         for name, (force, _) in mine.items():
             beside = [peaks[name][0] for peaks in theirs]
-            if (scale := max(force, *beside)) > 0.0:
+            if (scale := max(force, least, *beside)) > 0.0:
                 found[name] = resolved(force, beside, scale)
         return found
 
@@ -264,7 +269,7 @@ def _compared(
             name: resolved(
                 body.end_velocity,
                 [float(other.velocity[i]) for other in others],
-                float(np.abs(body.velocity).max()),
+                max(speeds[name], fastest),
             )
             for i, (name, body) in enumerate(response.bodies.items())
         },

@@ -146,8 +146,11 @@ def contradictions(response: Response) -> list[str]:
             wrong.append(f"{contact.name} counts {history.closings} closings and logs {mine.count('closes')}")
         closed.append(mine.count("closes") > mine.count("opens"))
         wrong += _forces(contact, response)
-    outcome = Outcome.CLOSED_AT_END if any(closed) else Outcome.SEPARATED if times else Outcome.NEVER_TOUCHED
-    rests = response.outcome is Outcome.RESTING and outcome is Outcome.CLOSED_AT_END and response.scene.gravity > 0.0
+    held = any(contact.preload > 0.0 for contact in response.scene.contacts)
+    untouched = Outcome.HELD if held else Outcome.NEVER_TOUCHED
+    outcome = Outcome.CLOSED_AT_END if any(closed) else Outcome.SEPARATED if times else untouched
+    at_rest = Outcome.RESTING if response.scene.gravity > 0.0 else Outcome.HELD
+    rests = response.outcome is at_rest and outcome is Outcome.CLOSED_AT_END and (held or response.scene.gravity > 0.0)
     if response.outcome is not outcome and not rests:
         wrong.append(f"the outcome is {response.outcome.name}, the events say {outcome.name}")
     return wrong

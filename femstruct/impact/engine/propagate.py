@@ -30,6 +30,7 @@ from femstruct.impact.engine.records import HALF_SINE, LINK, System
 
 NEWTON_STEPS = 12
 SOLVED = 2e-14  # of the largest force of an interface: what Newton's method leaves of it
+FAINT = 1e-30  # of the largest force: what is below it is not known better, as where a motion has hardly arrived
 ROUGHLY = 1e-12  # what it may leave of it after its last step
 EXTRAPOLATED = 6.0  # norm of the extrapolation of a force from the nodes to an end of the step, and 1 for its law there
 LONGER = 2e-3  # of the error that is allowed: below it the next step may be longer
@@ -110,6 +111,12 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
     forced = tables.forced[level]
     place, rate = trial.place, trial.rate
     active, slope, jacobian, residual = trial.active, trial.slope, trial.jacobian, trial.residual
+    biggest = 0.0
+    for a in range(r):
+        if a < len(system.interfaces):
+            biggest = max(biggest, abs(system.interfaces[a]["preload"]))
+        for p in range(STAGES):
+            biggest = max(biggest, abs(trial.forces[a, p]))
     for step in range(NEWTON_STEPS):
         for a in range(r):
             for p in range(POINTS):
@@ -126,7 +133,7 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
             a = active[i]
             shift = -state.rest[a] if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["offset"]
             held = 0.0 if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["preload"]
-            largest, miss = system.interfaces[a]["preload"], 0.0
+            largest, miss = max(abs(system.interfaces[a]["preload"]), FAINT * biggest), 0.0
             for p in range(STAGES):
                 f, slope[i, p, 0], slope[i, p, 1], _ = law(system, a, place[a, p + 1] + shift, rate[a, p + 1])
                 residual[i * STAGES + p] = f - held - trial.forces[a, p]

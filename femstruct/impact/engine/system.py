@@ -24,6 +24,7 @@ from femstruct.impact.engine.records import (
     System,
     uncoupled,
 )
+from femstruct.impact.laws.dispatch import force as force_of
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.registry import CODES
 from femstruct.impact.scene.bodies import Clock, Contact, End, Ground, HalfSine, Link, Load, Scene
@@ -32,6 +33,8 @@ from femstruct.modal.coupled_damping.kept import oscillators_of
 from femstruct.modal.coupled_damping.oscillator_set import Oscillators
 from femstruct.modal.coupled_damping.under_forces import under_forces
 from femstruct.model.probe import Probe
+
+SETTLED: Final = 1e-9  # of a preload: what rounding makes of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +118,7 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         misses=np.zeros(0),
         reach=np.array([np.max(basis.omega, initial=0.0) ** 2, np.max(damping, initial=0.0)]),
     )
+    _settle(system)
     start, scale, found = _start(scene, on), on.scale, oscillators_of(basis)
     if found is not None:
         if not start[1, :k].any():
@@ -122,6 +126,15 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
         system, start = uncoupled(system, start, found)
         scale = np.append(np.ones(system.n_modes), on.scale[k:])
     return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings, matrix, found)
+
+
+def _settle(system: System) -> None:
+    """Preloads as the laws have them at rest: the last digit beside the one that is given would be a force for ever."""
+    for a, one in enumerate(system.interfaces):
+        if one["kind"] != LINK and one["preload"] > 0.0:
+            held = force_of(system, a, float(one["offset"]), 0.0)[0]
+            if abs(held - one["preload"]) < SETTLED * one["preload"]:
+                system.interfaces["preload"][a] = held
 
 
 A_PLACE: Final = 'a place of the structure is a Probe, model.points["NAME"].probe("z")'

@@ -40,26 +40,30 @@ def outcomes_of(scene: Scene, endings: Endings, runs: int) -> tuple[Outcome, ...
     for name in endings.closed:
         touched |= ~np.isnan(endings.last[name])
         closed |= endings.closed[name]
-    kinds = (Outcome.SEPARATED, Outcome.NO_CONTACTS, Outcome.NEVER_TOUCHED, Outcome.CLOSED_AT_END, Outcome.RESTING)
-    which = np.zeros(runs, dtype=np.int64)
-    which[closed] = 3
-    which[closed & _rest(scene, endings, runs)] = 4
-    which[~touched] = 2 if scene.contacts else 1
+    held = any(contact.preload > 0.0 for contact in scene.contacts)
+    kinds = (*Outcome,)
+    which = np.full(runs, kinds.index(Outcome.SEPARATED))
+    which[closed] = kinds.index(Outcome.CLOSED_AT_END)
+    which[closed & _rest(scene, endings, runs)] = kinds.index(Outcome.RESTING if scene.gravity > 0.0 else Outcome.HELD)
+    untouched = Outcome.HELD if held else Outcome.NEVER_TOUCHED if scene.contacts else Outcome.NO_CONTACTS
+    which[~touched] = kinds.index(untouched)
     return tuple(kinds[i] for i in which)
 
 
 def _rest(scene: Scene, endings: Endings, runs: int) -> Flags:
-    """Whether all contacts that are closed at the end carry a body that gravity pulls, and did so for a while: no
-    event in the last part of the window, in which the body hardly gained speed. A ball in the middle of a bounce
-    gains speed at many times gravity."""
-    rest = np.full(runs, scene.gravity > 0.0)
-    weighing = {body.name for body in scene.bodies if body.falls}
+    """Whether all contacts that are closed at the end carry a body that gravity pulls, or were closed at the start, and
+    did so for a while: no event in the last part of the window, in which the body hardly gained speed. A ball in the
+    middle of a bounce gains speed at many times gravity."""
+    rest = np.ones(runs, dtype=bool)
+    weighing = {body.name for body in scene.bodies if body.falls and scene.gravity > 0.0}
     for contact in scene.contacts:
         last, closed = endings.last[contact.name], endings.closed[contact.name]
         rest &= ~(last > (1.0 - LAST) * endings.duration)
-        carried = [end for end in (contact.upper, contact.lower) if isinstance(end, str) and end in weighing]
-        still = np.full(runs, bool(carried))
-        for name in carried:
+        held = contact.preload > 0.0  # by a weight that lies on it, or by what it clamps
+        bodies = [end for end in (contact.upper, contact.lower) if isinstance(end, str)]
+        carried = [name for name in bodies if name in weighing or held]
+        still = np.full(runs, bool(carried) or held)
+        for name in carried if scene.gravity > 0.0 else ():
             still &= endings.gain[name] <= REST_ACCELERATION * scene.gravity
         rest &= still | ~closed
     return rest

@@ -19,6 +19,8 @@ from femstruct.modal.basis import ModalBasis
 
 ALONE = 10  # elastic modes that are told one by one
 EXACT = 3e-14  # relative tolerance from a sample to the instant: the least that the integrator takes
+FASTEST = 1e-3  # of the largest speed of the run: what a motion is small against that has come to rest
+ROUNDED = 1e-15  # of forces that hold each other: what is left of their sum
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,12 @@ def mode_energies(response: Response) -> ModeEnergies:
     """How the structure's energy is shared among rigid modes, the first ten elastic ones and octaves of the others.
 
     Notes: modes are normalised to the mass and share no energy, however they are damped: the groups add up to
-    `EnergyBalance.structure`. From the last sample before the instant the motion is integrated to it, to 3e-14.
+    `EnergyBalance.structure`. From the last sample before the instant the motion is integrated to it, to 3e-14 of it;
+    of a motion that has come to rest to 3e-17 of what it was, and to the rounding of the forces that hold it there.
     """
     basis, separation, end = response.basis, response.ledger.at_separation, response.ledger.end
+    if not len(basis.omega):
+        return ModeEnergies(None if separation is None else (), (), *dashpot_losses(response))
     compiled = compile_scene(basis, response.scene, response.clock)
     then = None if separation is None else modes_at(response, compiled, separation.t)
     last = modes_at(response, compiled, end.t)
@@ -122,10 +127,11 @@ def modes_at(response: Response, compiled: Compiled, t: float) -> tuple[Floats, 
         sample -= 1
     z, v = (state_at(response.motion, what, sample) for what in (DISPLACEMENT, VELOCITY))
     now = sample / sampling
-    rest = _rests(response, compiled, sample, z, v)
+    rest, book = _rests(response, compiled, sample, z, v), response.ledger
+    fastest = float(np.sqrt(2.0 * np.max(book.structure + book.stored + sum(book.bodies.values(), 0.0 * book.t))))
     while now < t:
         then = min((when for when in _breaks(system) if now < when < t), default=t)
-        z, v = _carry(system, rest, now, then, z, v)
+        z, v = _carry(system, rest, now, then, z, v, FASTEST * fastest)
         now = then
         if now < t:
             _renew(system, rest, now, z, v)
@@ -163,30 +169,46 @@ def _renew(system: System, rest: Floats, now: float, z: Floats, v: Floats) -> No
         v[blow["coordinate"]] = blow["velocity"]
 
 
-def _carry(system: System, rest: Floats, begin: float, end: float, z: Floats, v: Floats) -> tuple[Floats, Floats]:
-    """The state some fraction of a sample later, by scipy's DOP853."""
-    n = len(z)
-    pace = float(np.sqrt(np.sum(v**2 + (system.omega * z) ** 2))) or 1.0
-    atol = EXACT * pace * np.concatenate((np.full(n, end - begin), np.ones(n)))
+def _carry(
+    system: System, rest: Floats, begin: float, end: float, z: Floats, v: Floats, floor: float
+) -> tuple[Floats, Floats]:
+    """The state some fraction of a sample later, by scipy's DOP853. floor : of the speed of coordinates that errors are
+    measured by; what moves by rounding alone has none of its own."""
+    n, lasts = len(z), end - begin
+    pace = max(float(np.sqrt(np.sum(v**2 + (system.omega * z) ** 2))), floor) or 1.0
+    held = np.abs(_forces(begin, system, rest, z, v))
+    held[: len(system.interfaces)] += system.interfaces["preload"]
+    acts = np.abs(system.drives if len(system.turn) else system.rows)
+    speeds = EXACT * pace + ROUNDED * lasts * (held @ acts)
     run = scipy.integrate.solve_ivp(
-        _rates, (begin, end), np.concatenate((z, v)), "DOP853", rtol=EXACT, atol=atol, args=(system, rest)
+        _rates,
+        (begin, end),
+        np.concatenate((z, v)),
+        "DOP853",
+        rtol=EXACT,
+        atol=np.concatenate((lasts * speeds, speeds)),
+        args=(system, rest),
     )
     return run.y[:n, -1], run.y[n:, -1]
 
 
 def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
     """Velocities and accelerations of all coordinates, from their values alone."""
-    n, m = len(system.omega), len(system.interfaces)
+    n = len(system.omega)
     z, v = y[:n], y[n:]
-    place, rate = _seen(system, z, v)
-    force = np.array(
-        [_force(t, system, rest, a, place[a], rate[a]) for a in range(m)]
-        + [load_at(system, i, t) for i in range(len(system.loads))]
-    )
-    inner, push = -(system.omega**2) * z - system.damping * v, system.sign * force
+    inner, push = -(system.omega**2) * z - system.damping * v, system.sign * _forces(t, system, rest, z, v)
     if len(system.turn):
         return np.concatenate((v + push @ system.kicks, inner + push @ system.drives))
     return np.concatenate((v, inner + push @ system.rows))
+
+
+def _forces(t: float, system: System, rest: Floats, z: Floats, v: Floats) -> Floats:
+    """Forces of all interfaces and loads [r]."""
+    place, rate = _seen(system, z, v)
+    return np.array(
+        [_force(t, system, rest, a, place[a], rate[a]) for a in range(len(system.interfaces))]
+        + [load_at(system, i, t) for i in range(len(system.loads))]
+    )
 
 
 def _seen(system: System, z: Floats, v: Floats) -> tuple[Floats, Floats]:
