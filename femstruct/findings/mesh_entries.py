@@ -59,12 +59,33 @@ MESHES: Final = (
     ),
     Entry(
         "mesh-states-more",
-        "The mesh file has cells, masses, links, supports or other data that no part uses.",
+        "The mesh file has cells, masses, links, supports or other data that the model does not have.",
         LIMITS,
         "cells of the file are of no part, or the file states masses, links or supports that the model does not hold",
         "Give the cells a part. Take supports, rigid links and masses as the file has them by a part of type "
         "'attachments', or write them in the model; sets name their places. "
-        "Where the model has them already, nothing is missing.",
+        "Where the model has them already, nothing is missing. Brackets of the message say what each would change and "
+        "what to write in its place.",
+        forbids="the file states what no reader makes and the model does not have: bars without a frame, springs, "
+        "masses, links or supports without one of the model, an offset, layers or varying thickness that the part does "
+        "not state, mass per area, membranes, several materials in one part, a load before the vibration, or a card, "
+        "keyword, option or field that is not known",
+    ),
+    Entry(
+        "mesh-stated-otherwise",
+        "The mesh file states something of its cells that the model states otherwise; the model holds.",
+        REMARK,
+        "a part has a thickness, offset, orientation, layers or constants of its material of its own, and the file has "
+        "others",
+        "Nothing, where the model is meant. Otherwise take the key out of the part, or write what the file has.",
+        (Limit(0.01, "% of a modulus or a density", "steels differ by less", CHOSEN, "unused.DIFFERS"),),
+    ),
+    Entry(
+        "mesh-without-effect",
+        "The mesh file states loads, output or other data that a linear model of vibration does not need.",
+        REMARK,
+        "a card, keyword or section of the file is in the table of those with little or no effect",
+        "Nothing. Loads of the file are not applied: a study states what acts.",
     ),
     Entry(
         "nodes-alone",

@@ -22,6 +22,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import Finding
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.given import Given, given
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.meshed import Meshed
 
@@ -69,6 +70,10 @@ class Part:
     def taken(self) -> tuple[tuple[ImportedMesh, Mapping[str, Integers]], ...]:
         """Meshes of files that it is made of, with the rows of their cells that it takes, by kind."""
         return ()
+
+    def stands_for(self) -> frozenset[Makes]:
+        """What it states itself of what a file may state of its cells, or what it is in place of cards of a file."""
+        return frozenset()
 
     def attaches(self, users: Users) -> Attached | None:
         """What it takes of what a mesh file states beside its cells. users : the cells that parts take of their

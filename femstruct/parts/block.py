@@ -14,6 +14,7 @@ from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_patch
 from femstruct.model.part import Body, Part
 from femstruct.model.probe import Point
@@ -45,6 +46,9 @@ class Block(Part):
     size: Vector
     center: Vector | None = None
     inertia: Vector | None = None
+
+    def stands_for(self) -> frozenset[Makes]:
+        return frozenset((Makes.MASSES,))
 
     def described(self) -> tuple[Given, ...]:
         return given(self, {"mass": "kg", "origin": "m", "size": "m", "center": "m", "inertia": "kg m^2"})

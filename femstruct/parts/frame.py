@@ -18,6 +18,7 @@ from femstruct.elements.placement import directions
 from femstruct.errors import Finding, InputError
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Grids, Layout
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.materials.bar import of_bar
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.part import Part
@@ -71,6 +72,9 @@ class Frame(Part):
     element: frame.FrameElement = "timoshenko18"
     start_offset: Vector = (0.0, 0.0, 0.0)
     end_offset: Vector = (0.0, 0.0, 0.0)
+
+    def stands_for(self) -> frozenset[Makes]:
+        return frozenset((Makes.BARS,))
 
     def described(self) -> tuple[Given, ...]:
         return given(self, {"lines": "m", "mesh": "m", "start_offset": "m", "end_offset": "m"})

@@ -14,6 +14,7 @@ from femstruct.errors import InputError
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
 from femstruct.model.given import Given, given
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Vector
@@ -63,6 +64,9 @@ class Inertia(Part):
                 expected="none larger than the sum of the two others, as those of every body",
                 do="give them about the centre of mass, [Ixx, Iyy, Izz, Ixy, Iyz, Izx] with Ixy = integral of x y dm",
             )
+
+    def stands_for(self) -> frozenset[Makes]:
+        return frozenset((Makes.MASSES,))
 
     def described(self) -> tuple[Given, ...]:
         return given(self, {"mass": "kg", "moments": "kg m^2", "products": "kg m^2", "offset": "m"})

@@ -15,6 +15,7 @@ from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Inert
 from femstruct.model.given import Given, given
 from femstruct.model.grid.layout import Layout
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Region
@@ -49,6 +50,9 @@ class Mass(Part):
     on: str | None = None
     region: Region | None = None
     per: Per = "total"
+
+    def stands_for(self) -> frozenset[Makes]:
+        return frozenset((Makes.MASSES,))
 
     def described(self) -> tuple[Given, ...]:
         return given(self, {"mass": {"total": "kg", "length": "kg/m", "area": "kg/m^2"}[self.per]})

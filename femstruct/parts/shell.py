@@ -15,6 +15,7 @@ from femstruct.model.grid.layout import Grids, Layout
 from femstruct.model.imported.doubts import refuse_degenerate, shell_doubts
 from femstruct.model.imported.flat_cells import flat_cells
 from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.imported.unit_slips import shell_slips
 from femstruct.model.material import Material
 from femstruct.model.materials.lay_up import LayUp
@@ -32,8 +33,8 @@ class Shell(MeshPart):
 
     mesh : as `read_mesh_file` gives it. named : the set; None for all of them. thickness : of all, or by names of sets
     of cells [m]; None for that of a lay-up, or for what the file states. offset : from the mesh to the middle of the
-    thickness, along the normal of each cell [m]. orientation : direction of the x of an orthotropic material or a
-    lay-up, laid into each cell.
+    thickness, along the normal of each cell [m]; None is 0 where the file states none. orientation : direction of the
+    x of an orthotropic material or a lay-up, laid into each cell.
 
     Quadrilaterals are the better elements; quadratic cells are cut into four linear ones. Normals are made consistent
     over each patch of cells.
@@ -55,7 +56,7 @@ class Shell(MeshPart):
     material: AnyMaterial | LayUp
     thickness: float | Mapping[str, float] | None = None
     named: str | None = None
-    offset: float = 0.0
+    offset: float | None = None
     orientation: Vector | None = None
     dimension: ClassVar[int] = 2
     units: ClassVar[Mapping[str, str]] = {"thickness": "m", "offset": "m"}
@@ -72,6 +73,16 @@ class Shell(MeshPart):
                 expected="'orientation', the direction of the material's x",
                 do="write orientation: [1, 0, 0]",
             )
+
+    @property
+    def shift(self) -> float:
+        """From the mesh to the middle of the thickness [m]."""
+        return self.offset or 0.0
+
+    def stands_for(self) -> frozenset[Makes]:
+        """Offset and thickness too, where they are written: `offset: 0 mm` says that there is none."""
+        written = {Makes.OFFSET: self.offset, Makes.THICKNESS: self.thickness}
+        return super().stands_for() | {makes for makes, value in written.items() if value is not None}
 
     @property
     def x_direction(self) -> Floats | None:

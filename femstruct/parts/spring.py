@@ -14,6 +14,7 @@ from femstruct.errors import InputError
 from femstruct.model.anchors import places_of, point_rows
 from femstruct.model.fastened import Elastic
 from femstruct.model.given import Given
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 
@@ -47,6 +48,9 @@ class Spring(Part):
     b: str | None
     stiffness: Six = NO_STIFFNESS
     damping: Six = NO_STIFFNESS
+
+    def stands_for(self) -> frozenset[Makes]:
+        return frozenset((Makes.SPRINGS,))
 
     def described(self) -> tuple[Given, ...]:
         return (

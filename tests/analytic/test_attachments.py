@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.model.imported.unused import unused_findings
+from femstruct.model.imported.stated.unused import unused_findings
 from femstruct.workflow.judgement.structure_findings import structure_findings_before
 
 SIDE, CELLS = 600.0, 6  # mm, and how many cells along each side
@@ -38,7 +38,7 @@ def bulk(follows: str = "123456", more: str = "", control: str = "") -> str:
         for i in range(CELLS):
             nodes = ",".join(str(number(i + a, j + b)) for a, b in corners)
             lines.append(f"CQUAD4,{1001 + i + CELLS * j},1,{nodes}")
-    lines += ["PSHELL,1,1,8.", "MAT1,1,210000.,,.3,7.85-9"]
+    lines += ["PSHELL,1,1,8.,1,,1", "MAT1,1,210000.,,.3,7.85-9"]
     for at in range(0, len(RIM), 6):
         lines.append("SPC1,4,1234," + ",".join(map(str, RIM[at : at + 5])))
     lines += [f"SPC1,4,1234,{node}" for node in RIM[5::6]]
@@ -191,7 +191,7 @@ def test_a_node_of_two_parts_is_one_node(tmp_path: Path) -> None:
         one.replace(",1,", ",2,", 1) if one.startswith("CQUAD4") and int(one.split(",")[1]) > 1018 else one
         for one in lines
     ]
-    text = "\n".join(split).replace("PSHELL,1,1,8.", "PSHELL,1,1,8.\nPSHELL,2,1,8.") + "\n"
+    text = "\n".join(split).replace("PSHELL,1,1,8.,1,,1", "PSHELL,1,1,8.,1,,1\nPSHELL,2,1,8.,1,,1") + "\n"
     both = "".join(
         PLATE.replace("plate:", f"{n}:").replace("scale", f"set: PSHELL {k}, scale") for n, k in (("a", 1), ("b", 2))
     )

@@ -78,7 +78,7 @@ def test_every_key_reaches_the_structure(tmp_path: Path) -> None:
     assert isinstance(structure, Structure)
     tray, floor = structure.parts[:2]
     assert isinstance(tray, Shell) and isinstance(floor, Shell)
-    assert (tray.thickness, tray.named, tray.offset) == ({"FLOOR": 0.003, "WALL": 0.002}, None, 0.0)
+    assert (tray.thickness, tray.named, tray.offset) == ({"FLOOR": 0.003, "WALL": 0.002}, None, None)
     assert (floor.thickness, floor.named, floor.offset) == (None, "FLOOR", 0.004)
     assert np.ptp(tray.mesh.points, axis=0) == pytest.approx([0.4, 0.15, 0.1], rel=1e-12)  # rounding of the scale
     assert structure.points[1] == PlaceOn("feet", "tray", named="FEET")

@@ -11,8 +11,8 @@ import pytest
 import femstruct as fs
 from femstruct.errors import InputErrors
 from femstruct.findings.catalogue import rank_of
-from femstruct.findings.entry import LIMITS
-from femstruct.model.imported.unused import unused_findings
+from femstruct.findings.entry import FORBIDS, LIMITS
+from femstruct.model.imported.stated.unused import unused_findings
 from femstruct.workflow.judgement.structure_findings import structure_findings_before
 
 GRID = [(1 + i + 5 * j, 0.1 * i, 0.1 * j, 0.0) for j in range(4) for i in range(5)]
@@ -32,7 +32,7 @@ def found(tmp_path: Path, written: str, scale: float = 1.0, thickness: float | N
     part = fs.Shell("skin", fs.read_mesh_file(tmp_path / "skin.inp", scale), steel, thickness)
     structure = fs.Structure("a", (part,), supports=(fs.Support("all", ("z",), on="skin"),))
     findings = structure_findings_before(structure, fs.mesh_structure(structure))
-    return {one.code: one.message for one in findings if not one.severe}
+    return {one.code: one.message for one in findings if not one.severe or one.code == "mesh-states-more"}
 
 
 MESH = (
@@ -143,12 +143,18 @@ def test_what_a_file_states_beside_its_mesh_is_named(tmp_path: Path) -> None:
     steel, mesh = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0), fs.read_mesh_file(tmp_path / "skin.inp")
     part = fs.Shell("skin", mesh, steel, 0.01)
     held = fs.Support("feet", ("x", "y", "z"), on="skin", region=fs.Region("set", named="FEET"))
-    for supports, told in (((), ", 1 held sets. Their"), ((held,), ". Their")):
+    for supports, told in (((), True), ((held,), False)):
         structure = fs.Structure("a", (part,), supports=supports)
         findings = structure_findings_before(structure, fs.mesh_structure(structure))
-        (one,) = [one for one in findings if one.code == "mesh-states-more"]
-        assert one.message.startswith("skin: skin.inp states what no part uses: *TIE (line 39), *MASS (line 40)" + told)
-        assert rank_of(one.code, one.severe) is LIMITS
+        severe, *others = [one for one in findings if one.code == "mesh-states-more"]
+        assert severe.message.startswith("skin: skin.inp states what the model does not have, so that it is another")
+        assert "1 *TIE (line 39) [surfaces or nodes that are joined; write joints or constraints]" in severe.message
+        assert "1 *MASS (line 40) [masses at nodes; write masses]" in severe.message
+        assert rank_of(severe.code, severe.severe) is FORBIDS
+        assert [one.message.partition(". ")[0] for one in others] == told * [
+            "skin: skin.inp states what no part uses: 1 held sets"
+        ]
+        assert all(rank_of(one.code, one.severe) is LIMITS for one in others)
 
 
 def test_elements_that_no_part_uses_are_named(tmp_path: Path) -> None:
@@ -156,8 +162,11 @@ def test_elements_that_no_part_uses_are_named(tmp_path: Path) -> None:
     lump = f"{far}\n*ELEMENT, TYPE=C3D8, ELSET=LUMP\n90, 1, 2, 7, 6, 91, 92, 93, 94"
     beams = "*ELEMENT, TYPE=B31, ELSET=RIDGE\n95, 1, 2\n96, 2, 3\n*BEAM SECTION, ELSET=RIDGE, SECTION=RECT, MATERIAL=ST"
     marks = "*ELEMENT, TYPE=T3D2, ELSET=RIM\n97, 1, 2"  # as mesh programs write the edge of a shell
-    told = found(tmp_path, text(more="\n".join((lump, beams, marks))))["mesh-states-more"]
-    assert "no part uses: 1 C3D8 elements (set LUMP), 2 B31 elements (set RIDGE). Their stiffness" in told
+    assert "no part uses: 1 C3D8 elements (set LUMP). Their" in found(tmp_path, text(more=lump))["mesh-states-more"]
+    told = found(tmp_path, text(more="\n".join((beams, marks))))["mesh-states-more"]
+    assert "model does not have, so that it is another structure: 2 B31 elements (set RIDGE) [stiffness" in told
+    rods = f"{marks}\n*SOLID SECTION, ELSET=RIM, MATERIAL=ST\n1e-4"  # with a section they are rods
+    assert "1 T3D2 elements (set RIM) [stiffness" in found(tmp_path, text(more=rods))["mesh-states-more"]
     assert "mesh-states-more" not in found(tmp_path, text(more=marks))
     (tmp_path / "skin.inp").write_text(text(more=lump + "\n*ELSET, ELSET=LEFT\n1, 2"), encoding="utf-8")
     steel, mesh = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0), fs.read_mesh_file(tmp_path / "skin.inp")
@@ -236,7 +245,7 @@ GRID,3,,1.,1.,0.
 GRID,4,,0.,1.,0.
 GRID,5,,.5,.5,1.
 CQUAD4,1,1,1,2,3,4
-PSHELL,1,1,.01
+PSHELL,1,1,.01,1,,1
 RBE2,9,5,123456,1,2,3,4
 """
 

@@ -11,6 +11,7 @@ import pytest
 from femstruct.errors import InputError
 from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file
 from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.stated.left_out import HARMLESS
 
 ABAQUS = """*HEADING
 a tray
@@ -162,6 +163,11 @@ def test_nodes_and_cells_are_those_of_the_file_in_metres(name: str, tmp_path: Pa
     assert mesh.numbers[mesh.cells["tri3"]].tolist() == [[2, 5, 3]]
 
 
+def left(mesh: ImportedMesh, harmless: bool = False) -> list[str]:
+    """What is left out and has an effect, or has none, with its count and line."""
+    return [one.named for one in mesh.stated.left_out if (one.makes in HARMLESS) == harmless]
+
+
 def numbers(mesh: ImportedMesh, name: str) -> list[int]:
     return sorted(mesh.numbers[mesh.nodes_of(name)].tolist())
 
@@ -178,7 +184,8 @@ def test_all_that_an_input_file_of_abaqus_says(tmp_path: Path) -> None:
         ([1, 5], (0, 1, 2)),
         ([4], (0, 1, 2, 3, 4, 5)),
     ]
-    assert mesh.stated.left_out == ("*TIE (line 34)",)
+    assert left(mesh) == ["1 *TIE (line 34)"]
+    assert left(mesh, harmless=True) == ["1 *HEADING (line 1)", "1 *STEP (line 36)", "1 *CLOAD (line 37)"]
 
 
 def test_all_that_a_bulk_data_file_says(tmp_path: Path) -> None:
@@ -207,20 +214,22 @@ def test_all_that_a_bulk_data_file_says(tmp_path: Path) -> None:
         ([1, 2], (0, 1, 2)),
         ([4], (3, 4, 5)),
     ]
-    assert stated.left_out == ("1 PLOAD4",)
+    assert left(mesh) == []
+    assert left(mesh, harmless=True) == ["1 PSHELL 7 without MID3 (line 17)", "1 PARAM (line 7)", "1 PLOAD4 (line 26)"]
 
 
 def test_supports_of_other_cards_and_a_factor_of_masses(tmp_path: Path) -> None:
     """SPC, what GRID holds itself, sets that the case control puts to use, and masses times PARAM, WTMASS."""
     text = NASTRAN.replace("SOL 103\n", "SOL 103\nSPC = 8\n").replace("GRID,4,,0.,100.", "GRID,4,,0.,100.,,,25")
     text = text.replace("SET1,9", "SPC,3,5,12,0.,1,3\nSPC,3,2,3,-.1\nSPCADD,8,3\nPARAM,WTMASS,.5\nSET1,9")
-    stated = mesh_of(tmp_path, "a.bdf", text).stated
+    mesh = mesh_of(tmp_path, "a.bdf", text)
+    stated = mesh.stated
     held = {(one.name, one.held): one.nodes.tolist() for one in stated.holds}
     assert held[("GRID PS", (1, 4))] == [3] and held[("SPC 3", (0, 1))] == [4] and held[("SPC 3", (2,))] == [0]
     assert stated.active == ("SPC 3", "GRID PS")
     assert mesh_of(tmp_path, "a.bdf", text.replace("SPC = 8\n", "")).stated.active == ("SPC 3", "GRID PS")
     assert stated.masses[0].mass == 0.0025 and stated.masses[0].inertia[0] == pytest.approx(1e-6, rel=1e-15)  # rounding
-    assert stated.left_out == ("1 PLOAD4", "1 SPC that moves a node")
+    assert left(mesh) == ["1 SPC that moves a node (line 29)"]
 
 
 def test_a_range_of_held_nodes_may_have_gaps(tmp_path: Path) -> None:
@@ -244,7 +253,7 @@ def test_couplings_of_abaqus(tmp_path: Path) -> None:
     assert [sorted(mesh.numbers[one.nodes].tolist()) for one in links] == [[1, 3, 4, 5], [1, 3, 4, 5], [1, 5]]
     assert [one.follows for one in links] == [(0, 1, 2, 4), (0, 1, 2, 3, 4, 5), (0, 1, 2)]
     assert [one.weights for one in links] == [None, (2.0, 2.0, 2.0, 1.0), None]
-    assert mesh.stated.left_out == ("*COUPLING (line 45)", "*TIE (line 49)")
+    assert left(mesh) == ["1 *COUPLING (line 45)", "1 *TIE (line 49)"]
     with pytest.raises(InputError, match=r"a\.inp:34:1: got \*KINEMATIC alone, expected \*COUPLING before it"):
         mesh_of(tmp_path, "a.inp", ABAQUS.replace("*TIE", "*KINEMATIC\n*TIE"))
 
@@ -257,9 +266,9 @@ def test_averages_of_a_bulk_data_file(tmp_path: Path) -> None:
     assert (one.node, one.nodes.tolist(), one.follows) == (5, [0, 1, 2, 3, 4], (0, 1, 2, 3, 4, 5))
     assert one.weights == (1.0, 1.0, 1.0, 2.5, 2.5)
     other = card.replace("2.5,123,", "2.5,1236,") + card.replace("4,5", "4,5,UM,1,+\n+,123")
-    stated = mesh_of(tmp_path, "a.bdf", NASTRAN.replace("PLOAD4", other + "PLOAD4")).stated
-    assert len(stated.links) == 1
-    assert stated.left_out == ("1 RBE3 of directions 1236", "1 RBE3 with UM", "1 PLOAD4")
+    mesh = mesh_of(tmp_path, "a.bdf", NASTRAN.replace("PLOAD4", other + "PLOAD4"))
+    assert len(mesh.stated.links) == 1
+    assert left(mesh) == ["1 RBE3 of directions 1236 (line 26)", "1 RBE3 with UM (line 28)"]
 
 
 def test_what_an_input_file_of_abaqus_holds_joins_and_weighs(tmp_path: Path) -> None:
@@ -271,14 +280,25 @@ def test_what_an_input_file_of_abaqus_holds_joins_and_weighs(tmp_path: Path) -> 
     links = [(int(mesh.numbers[one.node]), mesh.numbers[one.nodes].tolist(), len(one.follows)) for one in stated.links]
     assert links == [(6, [1, 5], 6), (4, [3, 1, 5], 3)]
     assert [(mesh.numbers[one.nodes].tolist(), one.held) for one in stated.holds][2:] == [([3], (0, 4, 5))]
-    assert stated.left_out == ("*BOUNDARY that moves nodes (line 43)", "*TIE (line 44)")
+    assert left(mesh) == ["1 *TIE (line 44)", "1 *BOUNDARY that moves nodes (line 41)"]
+    turning = more.replace("*TIE", "*TRANSFORM, NSET=TURNED\n1, 1, 0, -1, 1, 0\n*TIE")
     turned = mesh_of(
-        tmp_path, "a.inp", ABAQUS.replace("*TIE", more.replace("*TIE", "*TRANSFORM, NSET=FOOT\n1,0,0\n*TIE"))
+        tmp_path,
+        "a.inp",
+        ABAQUS.replace("*TIE", turning).replace("*BOUNDARY", "*NSET, NSET=TURNED\n1, 3\n*BOUNDARY", 1),
     )
-    assert not turned.stated.holds and not turned.stated.links
-    assert any("in directions of *TRANSFORM" in one for one in turned.stated.left_out)
+    assert [(turned.numbers[one.nodes].tolist(), one.held) for one in turned.stated.holds] == [
+        ([1, 5], (0, 1, 2)),  # held in all shifts, however they are turned
+        ([4], (0, 1, 2, 3, 4, 5)),
+    ]
+    assert "1 *BOUNDARY in directions of *TRANSFORM (line 46)" in left(turned)
+    along = turning.replace("-1, 1, 0", "0, 1, 0").replace("1, 1, 0,", "1, 0, 0,")
+    same = mesh_of(
+        tmp_path, "a.inp", ABAQUS.replace("*TIE", along).replace("*BOUNDARY", "*NSET, NSET=TURNED\n1, 3\n*BOUNDARY", 1)
+    )
+    assert len(same.stated.holds) == 3 and left(same) == ["1 *TIE (line 48)", "1 *BOUNDARY that moves nodes (line 43)"]
     stepped = mesh_of(tmp_path, "a.inp", ABAQUS + "*BOUNDARY\n2, 1, 3\n")
-    assert stepped.stated.left_out == ("*TIE (line 34)", "*BOUNDARY of a step (line 39)")
+    assert left(stepped) == ["1 *TIE (line 34)", "1 *BOUNDARY of a step (line 39)"]
 
 
 def test_all_that_a_universal_file_says(tmp_path: Path) -> None:
@@ -286,7 +306,7 @@ def test_all_that_a_universal_file_says(tmp_path: Path) -> None:
     assert mesh.cell_sets == {"FLOOR AND SIDE": {"quad4": [0], "tri3": [0]}}
     assert numbers(mesh, "FOOT") == [1, 2, 5]
     assert mesh.numbers[mesh.cells["line2"]].tolist() == [[1, 2]]
-    assert mesh.stated.left_out == ("data set 55",)
+    assert left(mesh) == [] and left(mesh, harmless=True) == ["1 data set 55"]
 
 
 def test_a_cell_of_two_groups_of_gmsh_is_one_cell(tmp_path: Path) -> None:
@@ -364,11 +384,12 @@ MISTAKES = {
         ("1, 5, 4", "1", r":18:1: got '1', expected first, last and step"),
         ("*MATERIAL, NAME=STEEL", "*NGEN\n1, 3", r":23:1: got \*NGEN, which makes or moves nodes or elements"),
         ("*NODE", "*NODES", r"without \*NODE, expected an input file"),
+        ("*NODE, NSET", "*NODE, SYSTEM=C, NSET", r":4:1: got nodes in the coordinate system C, expected x, y, z"),
     ],
     "a.bdf": [
         ("GRID,2,,100.,0.,0.", "GRID,2,3,100.,0.,0.", r":9:1: got GRID with the coordinate system 3 of its place"),
         ("GRID,2,,100.,0.,0.", "GRID,2,,1OO.,0.,0.", r":9:1: got GRID with '1OO\.' in field 4, expected a number"),
-        ("PLOAD4,1,11,1.", "CELAS2,1,5.,1,1\nRBAR,9", r":26:1: got a card CELAS2,.*\n.*:27:1: got a card RBAR"),
+        ("SET1,9,1,4,5", "INCLUDE 'b.bdf'", r":27:1: got '.*b\.bdf', which|:27:1: got"),
         ("PLOAD4,1,11,1.", "RBE3,9,,6,123,1.0,123", r":26:1: got RBE3 with 0 nodes with a weight, expected WT1"),
         ("CTRIA3,12,7,2,5,3", "CTRIA3,12,7,2,5", r":16:1: got CTRIA3 with 2 nodes, expected 3 nodes"),
         ("SPC1,3,456,4", "SPC1,3,789,4", r":21:1: got SPC1 with '789' in field 3, expected directions out of 1 to 6"),

@@ -34,7 +34,7 @@ class ShellSpec(FromMeshSpec):
     material: MaterialName | None = None
     layers: Layers | None = None
     thickness: Annotated[float | dict[str, float] | None, read_by(_thickness, Length | dict[str, Length])] = None
-    offset: Coordinate = 0.0
+    offset: Coordinate | None = None
     orientation: Direction3 | None = None
 
     def made_of(self, name: str, of: Library, **more: Any) -> Part:

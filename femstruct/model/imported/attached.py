@@ -16,6 +16,7 @@ from femstruct.arrays import Integers, freeze, frozen_integers
 from femstruct.errors import InputError, some_of
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold, StatedLink, StatedMass
+from femstruct.model.imported.stated.left_out import Makes
 
 Users = Sequence[tuple[ImportedMesh, Mapping[str, Integers]]]
 """Meshes of files with the rows of the cells that parts take of them, by kind."""
@@ -53,10 +54,14 @@ def refuse_missing(where: str, mesh: ImportedMesh, take: Sequence[str]) -> None:
     having = [word for word, some in stated.items() if some]
     wrong = [word for word in take if word not in having]
     if wrong or not take:
+        unmade = {"supports": Makes.SUPPORTS, "links": Makes.LINKS, "masses": Makes.MASSES}
+        left = [one.named for one in mesh.stated.left_out if wrong and one.makes is unmade[wrong[0]]]
+        some = f"{wrong[0]}, which {mesh.source} states only as {some_of(left, 3)}, which are not read" if left else ""
         raise InputError(
             where,
-            got=f"{wrong[0]}, which {mesh.source} does not state" if wrong else "nothing",
-            expected=some_of(having) or f"supports, links or masses, of which {mesh.source} states none",
+            got=some or (f"{wrong[0]}, which {mesh.source} does not state" if wrong else "nothing"),
+            expected=some_of(having) or f"supports, links or masses, of which {mesh.source} states none that is read",
+            do=f"write {wrong[0] if wrong[0] != 'links' else 'joints or constraints'} in the model" if left else "",
         )
 
 

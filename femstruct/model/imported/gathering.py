@@ -120,7 +120,11 @@ def _in_rows(stated: Stated, nodes: Integers, rows: Integers, scale: float) -> S
     return replace(
         stated,
         properties=tuple(
-            replace(one, thickness=None if one.thickness is None else one.thickness * scale)
+            replace(
+                one,
+                thickness=None if one.thickness is None else one.thickness * scale,
+                layers=tuple(replace(layer, thickness=scale * layer.thickness) for layer in one.layers),
+            )
             for one in stated.properties
         ),
         masses=tuple(

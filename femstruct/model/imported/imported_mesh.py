@@ -11,18 +11,30 @@ import numpy as np
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.imported.cell_kinds import KINDS
+from femstruct.model.imported.stated.left_out import LeftOut
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
+class StatedLayer:
+    """A layer of a lay-up that a file states, from the lowest up. thickness [m]. angle : in degrees, or the name of a
+    coordinate system."""
+
+    material: str
+    thickness: float
+    angle: float | str
+
+
+@dataclass(frozen=True)
 class StatedProperty:
     """A property that a file gives a set of cells. thickness [m] : of shells, None where it states none. material : its
-    name in the file, "" where it states none."""
+    name in the file, "" where it states none. layers : of a lay-up."""
 
     cells: str
     thickness: float | None
     material: str
+    layers: tuple[StatedLayer, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -70,7 +82,7 @@ class StatedHold:
 
 @dataclass(frozen=True, eq=False)
 class Stated:
-    """What a file states beside its mesh. left_out : what of it is not read, in words.
+    """What a file states beside its mesh. left_out : what of it is not made, the most harmful first.
     elements : numbers of those that have stiffness or mass wherever they are, by their type in the file; other
     cells may be marks of edges and faces. active : names of the sets of supports that the file puts to use, where it
     says so; others are for other load cases. open_end : of a file without the word that ends it, which may be cut, that
@@ -81,7 +93,7 @@ class Stated:
     masses: tuple[StatedMass, ...] = ()
     links: tuple[StatedLink, ...] = ()
     holds: tuple[StatedHold, ...] = ()
-    left_out: tuple[str, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
     elements: Mapping[str, Integers] = field(default_factory=dict)
     active: tuple[str, ...] = ()
     open_end: str = ""

@@ -11,6 +11,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
 from femstruct.model.given import Given, given
 from femstruct.model.imported.imported_mesh import ImportedMesh, put_where
+from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.material import Material
 from femstruct.model.materials.lay_up import LayUp, materials_of
 from femstruct.model.materials.orthotropic import AnyMaterial
@@ -66,3 +67,13 @@ class MeshPart(GivenNodes):
 
     def taken(self) -> tuple[tuple[ImportedMesh, Mapping[str, Integers]], ...]:
         return ((self.mesh, self.own_cells),)
+
+    def stands_for(self) -> frozenset[Makes]:
+        """What of its cells the model states, so that the file's is not asked for. An isotropic material has no
+        direction."""
+        own = set()
+        if self.orientation is not None or isinstance(self.material, Material):
+            own.add(Makes.ORIENTATION)
+        if isinstance(self.material, LayUp):
+            own |= {Makes.LAY_UP, Makes.THICKNESS}
+        return frozenset(own)

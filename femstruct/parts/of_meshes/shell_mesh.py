@@ -130,7 +130,7 @@ class ShellMesh(CellsMesh):
         return nodal_dofs(len(self.places), 6)
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
-        return put_where(f"parts.{self.name}", lambda: cell_matrices(self.cells, self.sections, self.part.offset))
+        return put_where(f"parts.{self.name}", lambda: cell_matrices(self.cells, self.sections, self.part.shift))
 
     @property
     def facets(self) -> FlatCells:
@@ -142,7 +142,7 @@ class ShellMesh(CellsMesh):
 
     def facet_reach(self, facet: int, tolerance: float) -> float:
         """Half its thickness, on whose face a place is."""
-        return float(self.thickness[facet]) / 2.0 + abs(self.part.offset) + tolerance
+        return float(self.thickness[facet]) / 2.0 + abs(self.part.shift) + tolerance
 
     def facet_normal(self, facet: int, side: Side) -> Floats:
         return outwards(self.cells.normals[facet], side)

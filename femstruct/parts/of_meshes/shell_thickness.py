@@ -10,13 +10,14 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.model.imported.flat_cells import FlatCells
-from femstruct.model.imported.imported_mesh import put_where
+from femstruct.model.imported.imported_mesh import StatedProperty, put_where
 from femstruct.model.materials.lay_up import LayUp
 from femstruct.parts.plausibility import refuse_thicker
 
 if TYPE_CHECKING:
     from femstruct.parts.shell import Shell
 
+MOST: Final = 6  # layers that a message names
 THICK: Final = 1.0  # m: of less than that the unit of the mesh may be mistaken as well, which a finding says
 
 
@@ -59,6 +60,11 @@ def _by_set(where: str, shell: Shell, cells: FlatCells) -> Mapping[str | None, f
     found = {name: value for name, value in stated.items() if _has(shell, name, cells)}
     if not found:
         got = f"none, and none in {shell.mesh.source}"
+        if (layered := _layers_of(shell, cells)) is not None:
+            got = f"none, and layers of '{layered.cells}' in {shell.mesh.source}"
+            raise InputError(
+                where, got=got, expected="'layers' in place of 'material'", do=f"write {_written(layered)}"
+            )
         raise InputError(where, got=got, expected="a thickness", do="write 'thickness: 2 mm', or one by set")
     return dict(found.items())
 
@@ -70,3 +76,20 @@ def _of_set(where: str, shell: Shell, name: str, cells: FlatCells) -> np.ndarray
 def _has(shell: Shell, name: str, cells: FlatCells) -> bool:
     kinds = shell.mesh.cell_sets.get(name, {})
     return any(kind.startswith(("tri", "quad")) for kind in kinds) and bool(cells.in_set(shell.mesh, name).any())
+
+
+def _layers_of(shell: Shell, cells: FlatCells) -> StatedProperty | None:
+    """The lay-up that the file states for cells of the shell."""
+    return next((one for one in shell.mesh.stated.properties if one.layers and _has(shell, one.cells, cells)), None)
+
+
+def _written(layered: StatedProperty) -> str:
+    """A lay-up as a model states it, with the materials of the file by their names there."""
+    rows = []
+    for one in layered.layers[:MOST]:
+        turned = f", {one.angle:g} deg" if isinstance(one.angle, float) and one.angle else ""
+        rows.append(
+            f"[{one.material}, {1e3 * one.thickness:.4g} mm{turned or (f', {one.angle}' if one.angle else '')}]"
+        )
+    more = len(layered.layers) - MOST
+    return f"layers: [{', '.join(rows)}{f', and {more} more' if more > 0 else ''}]"

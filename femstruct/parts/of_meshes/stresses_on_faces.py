@@ -29,8 +29,8 @@ def stresses_on_faces(
     different, which = np.unique(thickness, return_inverse=True)
     each = [stresses_of_resultants(shell.material, float(t)) for t in different]
     kinds, of_faces = which.ravel(), np.stack([faces for _, faces in each])
-    found = face_stresses(cells, sections, (kinds, of_faces), shell.offset, shell.x_direction, numbers)
-    heights = np.stack([heights for heights, _ in each])[kinds[found.cells]] + shell.offset
+    found = face_stresses(cells, sections, (kinds, of_faces), shell.shift, shell.x_direction, numbers)
+    heights = np.stack([heights for heights, _ in each])[kinds[found.cells]] + shell.shift
     count = heights.shape[1]
     meets = (count * found.places[:, None] + np.arange(count)).ravel()
     places = cells.points[found.nodes][:, None] + heights[..., None] * found.axes[:, None, 2]

@@ -13,7 +13,7 @@ from femstruct.errors import Finding
 from femstruct.findings.catalogue import ranked
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.coupled_damping.damped_modes import damped_modes
-from femstruct.model.imported.unused import unused_findings
+from femstruct.model.imported.stated.unused import unused_findings
 from femstruct.model.material import Material
 from femstruct.model.model import Model
 from femstruct.model.structure import Structure

@@ -19,6 +19,8 @@ from femstruct.errors import InputError
 from femstruct.files.inputs.mesh_files.text_lines import wrong_line
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.gathering import Block, Gathered
+from femstruct.model.imported.imported_mesh import Stated
+from femstruct.model.imported.stated.left_out import Makes, Tally
 
 _POINT: Final = 15
 _TYPES: Final = {
@@ -32,6 +34,14 @@ _ORDER: Final = {  # nodes of Gmsh in the order of VTK, where it is another
     "hex27": [*_HEX20, 22, 23, 21, 24, 20, 25, 26],
 }
 _OTHERS: Final = {6: "a wedge", 7: "a pyramid", 13: "a wedge", 14: "a pyramid", 18: "a wedge", 19: "a pyramid"}
+_READ: Final = ("MeshFormat", "PhysicalNames", "Entities", "Nodes", "Elements")
+_WITHOUT_EFFECT: Final = {  # sections by why they make nothing
+    **dict.fromkeys(("PartitionedEntities", "GhostElements", "Partitions"), "how the mesh is divided for computing"),
+    **dict.fromkeys(("Parametrizations", "NOD", "ELM", "ParametricNodes"), "how the mesh was made"),
+    **dict.fromkeys(("NodeData", "ElementData", "ElementNodeData", "InterpolationScheme", "View"), "results"),
+    "Periodic": "which nodes were meshed alike",
+    "Comments": "notes",
+}
 Group = tuple[int, int]  # dimension and number
 
 
@@ -150,9 +160,16 @@ def read_gmsh(path: Path, data: bytes) -> Gathered:
         for name in ("Nodes", "Elements", "Entities")
         if name in sections
     }
-    if version == "4.1":
-        return _version_4(opened, names)
-    return _version_2(opened["Nodes"], opened["Elements"], names)
+    left_out = Tally()
+    for name in sections:
+        if name not in _READ:
+            known = name in _WITHOUT_EFFECT
+            why = _WITHOUT_EFFECT.get(name, "a section that is not known")
+            line = data[: sections[name][0]].count(b"\n")
+            left_out.add(f"${name}", Makes.NOTHING if known else Makes.UNKNOWN, why, line)
+    old = version != "4.1"
+    found = _version_2(opened["Nodes"], opened["Elements"], names) if old else _version_4(opened, names)
+    return found._replace(stated=Stated(left_out=left_out.found))
 
 
 def _sections(path: Path, data: bytes) -> Iterator[tuple[str, tuple[int, int]]]:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from femstruct.errors import FemstructError, InputError, InputErrors
-from femstruct.files.inputs.mesh_files.abaqus import read_abaqus
+from femstruct.files.inputs.mesh_files.abaqus.abaqus_file import read_abaqus
 from femstruct.files.inputs.mesh_files.gmsh import read_gmsh
-from femstruct.files.inputs.mesh_files.nastran import read_nastran
+from femstruct.files.inputs.mesh_files.nastran.nastran_file import read_nastran
 from femstruct.files.inputs.mesh_files.unv import read_unv
 from femstruct.files.inputs.mesh_files.vtu import read_vtu
 from femstruct.files.inputs.opening import content

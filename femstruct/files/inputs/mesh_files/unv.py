@@ -17,6 +17,7 @@ from femstruct.files.inputs.mesh_files.text_lines import floats, integers, lines
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.gathering import Block, Gathered
 from femstruct.model.imported.imported_mesh import Stated
+from femstruct.model.imported.stated.left_out import Makes, Tally
 
 Lines = list[tuple[int, list[str]]]
 _KINDS: Final = {
@@ -43,7 +44,22 @@ _ORDER: Final = {  # corners and middles alternate there, layer by layer
 _NODES, _ELEMENTS = 7, 8  # what members of a group are
 _GROUPS: Final = ("2467", "2477")
 _KNOWN: Final = ("2411", "2412", *_GROUPS)
-_HARMLESS: Final = ("151", "164", "2420", "2400", "2410")  # header, units, coordinate systems of which none is used
+_READ_OTHERWISE: Final = (
+    "151",
+    "164",
+    "2420",
+    "2400",
+    "2410",
+)  # header, units, coordinate systems of which none is used
+_CLASSES: Final[tuple[tuple[Makes, str, tuple[str, ...]], ...]] = (
+    (Makes.NOTHING, "results", ("55", "56", "57", "58", "58b", "2414", "2413", "1858", "82", "2478", "2479")),
+    (Makes.NOTHING, "a load", ("782", "790", "792", "2449", "2451")),
+    (Makes.SECTION, "thicknesses and sections, which the model states", ("772", "788", "2437", "776", "2438", "2470")),
+    (Makes.NOTHING, "materials, which the model states", ("773", "1703", "1710", "1716", "2464")),
+    (Makes.SUPPORTS, "held nodes", ("755", "791", "2417", "754")),
+    (Makes.LINKS, "equations between nodes", ("754", "2439", "793")),
+)
+_CLASS_OF: Final = {word: (makes, changes) for makes, changes, words in _CLASSES for word in words}
 
 
 def read_unv(path: Path, data: bytes) -> Gathered:
@@ -61,11 +77,19 @@ def read_unv(path: Path, data: bytes) -> Gathered:
     for word in _GROUPS:
         for lines in of.get(word, ()):
             _groups(path, lines, node_sets, cell_sets)
-    left_out = [f"data set {word}" for word in of if word not in (*_KNOWN, *_HARMLESS)]
+    left_out = Tally()
+    for word in of:
+        if word not in (*_KNOWN, *_READ_OTHERWISE):
+            makes, changes = _CLASS_OF.get(word, (Makes.UNKNOWN, "a data set that is not known"))
+            left_out.add(f"data set {word}", makes, changes, 0, count=len(of[word]))
     cells = np.concatenate([*(block.numbers for block in blocks), np.zeros(0, np.int64)])
     for name, members in cell_sets.items():  # Gmsh names points there that it does not write
         there = np.isin(members, cells)
-        left_out += [f"{(~there).sum()} elements of group '{name}' that are not there"] if not there.all() else []
+        if not there.all():
+            what = f"elements of group '{name}' that are not there"
+            left_out.add(
+                what, Makes.SLIGHT, "points, which Gmsh names and does not write", 0, count=int((~there).sum())
+            )
         cell_sets[name] = members[there]
     return Gathered(
         np.concatenate([numbers for numbers, _ in tables]),
@@ -73,7 +97,7 @@ def read_unv(path: Path, data: bytes) -> Gathered:
         blocks,
         node_sets,
         {name: some for name, some in cell_sets.items() if len(some)},
-        Stated(left_out=tuple(left_out)),
+        Stated(left_out=left_out.found),
     )
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from femstruct.arrays import Integers
-from femstruct.files.inputs.mesh_files.abaqus_deck import Deck, Keyword
+from femstruct.files.inputs.mesh_files.abaqus.abaqus_deck import Deck, Keyword
 from femstruct.files.inputs.mesh_files.text_lines import floats, integers, wrong_line
 from femstruct.model.imported.imported_mesh import StatedHold, StatedLink, StatedMass
+from femstruct.model.imported.stated.left_out import Makes
 
 _DIRECTIONS: Final = {  # held by the types of *BOUNDARY, counted from 1
     "ENCASTRE": (1, 2, 3, 4, 5, 6), "PINNED": (1, 2, 3), "XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5),
@@ -49,7 +51,7 @@ def held_nodes(keyword: Keyword, deck: Deck) -> None:
             held = tuple(one for one in range(ends[0], ends[-1] + 1) if 1 <= one <= 6)
         moved = [word for word in words[3:4] if word and floats(keyword.path, [(number, [word])])[0] != 0.0]
         if moved:
-            deck.left_out.setdefault("BOUNDARY that moves nodes", number)
+            keyword.leave_out(deck, Makes.SUPPORTS, "held nodes", "BOUNDARY that moves nodes")
         elif held:
             deck.holds.append(StatedHold(f"boundary {which}", nodes, tuple(one - 1 for one in held)))
 
@@ -59,7 +61,7 @@ def masses(keyword: Keyword, deck: Deck) -> None:
     name = keyword.option("ELSET")
     nodes = {one.upper(): some for one, some in deck.lumps.items()}.get(name.upper())
     if nodes is None:
-        deck.left_out.setdefault("MASS", keyword.number)
+        keyword.leave_out(deck, Makes.MASSES, "masses at nodes")
         return
     value = float(floats(keyword.path, keyword.rows[:1])[0]) if keyword.rows else 0.0
     deck.masses += [StatedMass(node, value, (0.0, 0.0, 0.0), (0.0,) * 6) for node in nodes]
@@ -74,7 +76,7 @@ def rigid_body(keyword: Keyword, deck: Deck) -> None:
         or not sets.keys() & keyword.options.keys()
         or {"ELSET", "ANALYTICALSURFACE"} & keyword.options.keys()
     ):
-        deck.left_out.setdefault("RIGIDBODY", keyword.number)
+        keyword.leave_out(deck, Makes.LINKS, "a rigid body of elements or of a surface")
         return
     for key, follows in sets.items():
         if key in keyword.options:
@@ -112,7 +114,7 @@ def coupled(keyword: Keyword, deck: Deck) -> None:
     follows = _directions(keyword, keyword.rows)
     mean = keyword.word == "DISTRIBUTING"
     if found is None or len(leads) != 1 or "ORIENTATION" in head.options or (mean and not sum(found[1]) > 0.0):
-        deck.left_out.setdefault("COUPLING", head.number)
+        head.leave_out(deck, Makes.LINKS, "faces that follow a node")
         return
     nodes, weights = found
     others = nodes != leads[0]
@@ -126,7 +128,7 @@ def kinematic_coupling(keyword: Keyword, deck: Deck) -> None:
     """Nodes or sets, each with a first and a last direction, that follow a reference node."""
     leads = nodes_named(keyword, keyword.number, keyword.option("REFNODE"), deck)
     if len(leads) != 1 or "ORIENTATION" in keyword.options:
-        deck.left_out.setdefault("KINEMATICCOUPLING", keyword.number)
+        keyword.leave_out(deck, Makes.LINKS, "nodes that follow a node")
         return
     for number, words in keyword.rows:
         nodes = nodes_named(keyword, number, words[0], deck)
@@ -144,6 +146,54 @@ def _directions(keyword: Keyword, rows: list[tuple[int, list[str]]]) -> tuple[in
     return tuple(one for one in range(6) if one + 1 in found) or tuple(range(6))
 
 
+def transform(keyword: Keyword, deck: Deck) -> None:
+    """Nodes whose supports and links are along directions of their own; see `along_own_directions`."""
+    kind = keyword.options.get("TYPE", "R").upper()
+    row = floats(keyword.path, keyword.rows[:1])
+    if kind == "R" and len(row) >= 6:
+        x, y = row[:3], row[3:6]
+        if not x[1:].any() and x[0] > 0.0 and y[1] > 0.0 and y[2] == 0.0:
+            return  # along the global directions
+    deck.turned.append(nodes_named(keyword, keyword.number, keyword.option("NSET"), deck))
+    deck.turned_at = deck.turned_at or keyword.number
+
+
+def along_own_directions(deck: Deck) -> None:
+    """Leave out supports and links in some of the directions of *TRANSFORM; in all three they have no direction."""
+    if not deck.turned:
+        return
+    turned = np.unique(np.concatenate(deck.turned))
+    of: dict[int, set[int]] = {}
+    for one in deck.holds:
+        for node in one.nodes[np.isin(one.nodes, turned)].tolist():
+            of.setdefault(node, set()).update(one.held)
+    partly = np.array([node for node, held in of.items() if not _in_all(held)], np.int64)
+    if len(partly):
+        what = "BOUNDARY in directions of *TRANSFORM"
+        deck.left_out.add(f"*{what}", Makes.SUPPORTS, f"{len(partly)} held nodes", deck.turned_at)
+    kept = (replace(one, nodes=one.nodes[~np.isin(one.nodes, partly)]) for one in deck.holds)
+    deck.holds = [one for one in kept if len(one.nodes)]
+    bent = [one for one in deck.links if not _in_all(one.follows) and np.isin((one.node, *one.nodes), turned).any()]
+    if bent:
+        what = "links in directions of *TRANSFORM"
+        deck.left_out.add(what, Makes.LINKS, "links between nodes", deck.turned_at, count=len(bent))
+    deck.links = [one for one in deck.links if not any(one is other for other in bent)]
+
+
+def _in_all(held: Collection[int]) -> bool:
+    """Whether held shifts are all three or none, and held turns as well."""
+    return all(len([one for one in some if one in held]) in (0, 3) for some in ((0, 1, 2), (3, 4, 5)))
+
+
+def initial_conditions(keyword: Keyword, deck: Deck) -> None:
+    """What is there from the start: stress changes the stiffness, the rest has no effect."""
+    kind = keyword.options.get("TYPE", "").upper().replace(" ", "")
+    if kind in ("STRESS", "PLASTICSTRAIN", "HARDENING"):
+        keyword.leave_out(deck, Makes.PRELOAD, "stress that is there from the start", f"{keyword.written}, TYPE={kind}")
+    else:
+        keyword.leave_out(deck, Makes.NOTHING, "temperatures, speeds or other states at the start")
+
+
 STATED: Final[Mapping[str, Callable[[Keyword, Deck], None]]] = {
     "BOUNDARY": held_nodes,
     "MASS": masses,
@@ -153,4 +203,6 @@ STATED: Final[Mapping[str, Callable[[Keyword, Deck], None]]] = {
     "KINEMATIC": coupled,
     "DISTRIBUTING": coupled,
     "KINEMATICCOUPLING": kinematic_coupling,
+    "TRANSFORM": transform,
+    "INITIALCONDITIONS": initial_conditions,
 }

@@ -6,9 +6,11 @@ import re
 
 import numpy as np
 
-from femstruct.files.inputs.mesh_files.bulk_cards import Card
-from femstruct.files.inputs.mesh_files.nastran_bulk import Bulk
+from femstruct.files.inputs.mesh_files.nastran.bulk_cards import Card
+from femstruct.files.inputs.mesh_files.nastran.nastran_bulk import Bulk
+from femstruct.files.inputs.mesh_files.nastran.nastran_words import CONTROL, PARAMETERS
 from femstruct.model.imported.imported_mesh import StatedLink, StatedMass
+from femstruct.model.imported.stated.left_out import Makes
 
 
 def conm2(card: Card, bulk: Bulk) -> None:
@@ -27,6 +29,7 @@ def rbe2(card: Card, bulk: Bulk) -> None:
     fields = card.fields
     last = next((at for at in range(len(fields) - 1, 2, -1) if fields[at]), 2)
     if last > 3 and "." in fields[last]:  # a coefficient of thermal expansion ends it
+        card.seen.add(last)
         fields = fields[:last]
     nodes = card._replace(fields=fields).several(3)
     if not nodes:
@@ -43,8 +46,10 @@ def rbe3(card: Card, bulk: Bulk) -> None:
         word = card.field(index)
         if word.upper() in ("UM", "ALPHA"):
             if word.upper() == "UM":
-                bulk.leave_out("RBE3 with UM")
+                card.seen.update(range(len(card.fields)))
+                bulk.left_out.add("RBE3 with UM", Makes.LINKS, "an average of nodes", card.number)
                 return
+            card.seen.update(range(index, len(card.fields)))  # thermal expansion
             break
         if "." in word:
             weight, fresh = card.real(index), True
@@ -52,7 +57,9 @@ def rbe3(card: Card, bulk: Bulk) -> None:
             of_group, fresh = word, False
         elif word:
             if "".join(sorted(of_group)) != "123":
-                bulk.leave_out(f"RBE3 of directions {of_group}")
+                what = f"RBE3 of directions {of_group}"
+                card.seen.update(range(len(card.fields)))
+                bulk.left_out.add(what, Makes.LINKS, "an average of nodes", card.number)
                 return
             nodes.append(card.whole(index))
             weights.append(weight)
@@ -75,7 +82,8 @@ def spc(card: Card, bulk: Bulk) -> None:
         if first == 4 and not card.field(first):
             continue
         if card.real(first + 2, 0.0):
-            bulk.leave_out("SPC that moves a node")
+            card.seen.update(range(7))
+            bulk.left_out.add("SPC that moves a node", Makes.SUPPORTS, "a held node", card.number)
         else:
             hold(card, bulk, card.whole(0), first + 1, [card.whole(first)])
 
@@ -92,9 +100,17 @@ def spcadd(card: Card, bulk: Bulk) -> None:
 
 
 def param(card: Card, bulk: Bulk) -> None:
-    """The factor of all masses; no other parameter matters to a mesh."""
-    if card.field(0).upper() == "WTMASS":
+    """The factor of all masses; of the others a table says whether they matter to a linear model of vibration."""
+    name = card.field(0).upper()
+    card.seen.update(range(len(card.fields)))
+    if name == "WTMASS":
         bulk.mass_factor = card.real(1)
+    elif name in PARAMETERS:
+        bulk.left_out.add(f"PARAM, {name}", *PARAMETERS[name], card.number)
+    elif name in CONTROL:
+        bulk.left_out.add("PARAM", Makes.NOTHING, "control of the solution and its output", card.number)
+    else:
+        bulk.left_out.add(f"PARAM, {name}", Makes.SLIGHT, "a parameter that is not known here", card.number)
 
 
 def _directions(card: Card, index: int) -> tuple[int, ...]:

@@ -7,25 +7,39 @@ neither sets nor properties, and takes coordinates of any coordinate system as t
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from math import isfinite, nan
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-from femstruct.errors import InputErrors, shown_as
-from femstruct.files.inputs.mesh_files.text_lines import wrong_line
+from femstruct.errors import InputError, InputErrors, shown_as
+from femstruct.files.inputs.mesh_files.text_lines import lines_of, wrong_line
+from femstruct.files.inputs.opening import beside, content
 
+LARGEST: Final = 500_000_000  # bytes
+_DEEPEST: Final = 5  # files that include files
 _SMALL, _LARGE = 8, 16
 _GOES_ON = re.compile(r"(^|,)\s*[+*](?!\d|\.)\w*\s*$")  # a mark of continuation as the last field of a line
 _BARE_EXPONENT = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))([+-]\d+)$")
 
 
+class Line(NamedTuple):
+    """A line of a file, from 1."""
+
+    path: Path
+    number: int
+    text: str
+
+
 class Card(NamedTuple):
-    """A card. number : of its first line, from 1. fields : after its name, all continuations in one row."""
+    """A card. number : of its first line, from 1. fields : after its name, all continuations in one row. seen : those
+    that have been read, counted from 0: what is left at the end is named."""
 
     path: Path
     number: int
     name: str
     fields: list[str]
+    seen: set[int]
 
     def refuse(self, got: str, expected: str, do: str = "") -> InputErrors:
         """A mistake in it."""
@@ -33,7 +47,13 @@ class Card(NamedTuple):
 
     def field(self, index: int) -> str:
         """A field, counted from 0 after the name; "" beyond its end."""
+        self.seen.add(index)
         return self.fields[index] if index < len(self.fields) else ""
+
+    @property
+    def unread(self) -> list[int]:
+        """Fields with something in them that nobody has read."""
+        return [index for index, word in enumerate(self.fields) if word and index not in self.seen]
 
     def whole(self, index: int, default: int | None = None) -> int:
         """A whole number; `default` where the field is empty, refused without one."""
@@ -62,6 +82,7 @@ class Card(NamedTuple):
 
     def several(self, first: int) -> list[int]:
         """Whole numbers from a field on, FIRST THRU LAST written out."""
+        self.seen.update(range(first, len(self.fields)))
         words = [word for word in self.fields[first:] if word]
         numbers: list[int] = []
         at = 0
@@ -79,18 +100,19 @@ class Card(NamedTuple):
         return numbers
 
 
-def cards_of(path: Path, lines: list[str]) -> tuple[list[tuple[int, str]], list[Card], bool]:
-    """Lines of the case control, with their numbers, cards of the bulk data up to ENDDATA, and whether there is one.
+def cards_of(path: Path, lines: list[str]) -> tuple[list[Line], list[Card], bool]:
+    """Lines of the case control, cards of the bulk data up to ENDDATA, and whether there is one.
 
-    Raises InputErrors for a file that ends before its last card does, and for a whole one, with BEGIN BULK, that has no
-    ENDDATA: Nastran asks for it, so that such a file is cut. Bulk data alone is often written without.
+    Lines of files that it includes stand in their places. Raises InputErrors for a file that ends before its last card
+    does, and for a whole one, with BEGIN BULK, that has no ENDDATA: Nastran asks for it, so that such a file is cut.
+    Bulk data alone is often written without.
     """
-    begin = next((n for n, line in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), -1)
-    control = [(number, line) for number, line in enumerate(lines[: begin + 1], 1)]
+    every = list(_with_included([Line(path, number, line) for number, line in enumerate(lines, 1)], depth=0))
+    begin = next((n for n, one in enumerate(every) if re.match(r"\s*BEGIN\s+BULK", one.text, re.IGNORECASE)), -1)
     found: list[Card] = []
     ended, last = False, ""
-    for number, line in enumerate(lines[begin + 1 :], begin + 2):
-        text = line.split("$", 1)[0].rstrip()
+    for one in every[begin + 1 :]:
+        text = one.text.split("$", 1)[0].rstrip()
         if not text.strip():
             continue
         if text.strip().upper().startswith("ENDDATA"):
@@ -100,17 +122,48 @@ def cards_of(path: Path, lines: list[str]) -> tuple[list[tuple[int, str]], list[
         name, fields = _split(text)
         if name == "" or name[0] in "+*":
             if not found:
-                raise wrong_line(path, number, "a continuation of nothing", "a card before it")
+                raise wrong_line(one.path, one.number, "a continuation of nothing", "a card before it")
             found[-1].fields.extend(fields)
         else:
-            found.append(Card(path, number, name.rstrip("*").upper(), fields))
+            found.append(Card(one.path, one.number, name.rstrip("*").upper(), fields, set()))
     goes_on = not ended and _GOES_ON.search(last if "," in last else last.expandtabs(_SMALL)[72:80]) is not None
     if found and not ended and (goes_on or begin >= 0):
         got = f"the end of the file {'within' if goes_on else 'after'} {found[-1].name} of line {found[-1].number}"
         expected = "its continuation" if goes_on else "ENDDATA"
         do = "the file is cut: write it again" if goes_on else "is the file cut? If not, write ENDDATA as its last line"
         raise wrong_line(path, len(lines), got, expected, do)
-    return control, found, ended
+    return every[: begin + 1], found, ended
+
+
+def _with_included(lines: list[Line], depth: int) -> Iterator[Line]:
+    """All lines, those of INCLUDE 'FILE' replaced by those of the file, which is sought beside the one that names it.
+
+    A name may go on over lines until its quotation mark. Raises InputErrors with the line for a file that is not there,
+    and for files that include each other.
+    """
+    at = 0
+    while at < len(lines):
+        one = lines[at]
+        at += 1
+        found = re.match(r"\s*INCLUDE\b\s*(.*)", one.text, re.IGNORECASE)
+        if found is None:
+            yield one
+            continue
+        name = found[1].strip()
+        while name[:1] in ("'", '"') and name.count(name[0]) < 2 and at < len(lines):
+            name += lines[at].text.strip()
+            at += 1
+        if depth > _DEEPEST:
+            raise wrong_line(one.path, one.number, "files that include each other", "an end to it")
+        name = name.split("$", 1)[0].strip().strip("'\"")
+        try:
+            inner = beside(str(one.path), name)
+            texts = lines_of(inner, content(inner, LARGEST, "an included file"))
+        except InputError as error:
+            if getattr(error, "errors", ()):
+                raise
+            raise wrong_line(one.path, one.number, error.got, error.expected, error.do) from None
+        yield from _with_included([Line(inner, number, text) for number, text in enumerate(texts, 1)], depth + 1)
 
 
 def _split(text: str) -> tuple[str, list[str]]:

@@ -1,0 +1,265 @@
+"""Nothing of a deck vanishes: every card, keyword, option and field is used, without effect, named, or refused; what
+makes stiffness, mass or supports and is not in the model forbids trust, unless the model states it itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import femstruct as fs
+from femstruct.errors import Finding, InputError
+from femstruct.files.inputs.mesh_files.abaqus import abaqus_file, abaqus_words
+from femstruct.files.inputs.mesh_files.nastran import nastran_file, nastran_words
+from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported.stated.left_out import HARMLESS, Makes
+from femstruct.model.imported.stated.unused import unused_findings
+from femstruct.model.materials.lay_up import Laminate, Layer
+from femstruct.model.section import rectangle
+
+STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
+NODES = [(1 + i + 3 * j, 0.5 * i, 0.5 * j) for j in range(3) for i in range(3)]
+CELLS = [(1 + i + 2 * j, 1 + i + 3 * j, 2 + i + 3 * j, 5 + i + 3 * j, 4 + i + 3 * j) for j in (0, 1) for i in (0, 1)]
+
+
+def bulk(shell: str = "PSHELL,1,1,.01,1,,1", element: str = "", more: str = "", control: str = "") -> str:
+    """A square plate of four cells of two properties, 1 and 2, of one material."""
+    lines = ["SOL 103", "CEND", *([control] if control else []), "BEGIN BULK", "MAT1,1,2.1+11,,.3,7850."]
+    lines += [shell, "PSHELL,2,1,.01,1,,1", *(f"GRID,{n},,{x},{y},0." for n, x, y in NODES)]
+    lines += [f"CQUAD4,{n},{1 if n < 3 else 2},{','.join(map(str, of))}{element}" for n, *of in CELLS]
+    return "\n".join([*lines, *([more] if more else []), "ENDDATA"]) + "\n"
+
+
+def inp(section: str = "*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL\n0.01", more: str = "") -> str:
+    """The same plate; cells 1 and 2 are of set A, 3 and 4 of B."""
+    lines = ["*NODE", *(f"{n}, {x}, {y}" for n, x, y in NODES), "*ELEMENT, TYPE=S4, ELSET=SKIN"]
+    lines += [", ".join(map(str, one)) for one in CELLS]
+    lines += ["*ELSET, ELSET=A", "1, 2", "*ELSET, ELSET=B", "3, 4", "*MATERIAL, NAME=STEEL", "*ELASTIC", "2.1e11, 0.3"]
+    lines += ["*DENSITY", "7850.", "*MATERIAL, NAME=ALU", "*ELASTIC", "7e10, 0.33", "*DENSITY", "2700."]
+    return "\n".join([*lines, section, *([more] if more else [])]) + "\n"
+
+
+def mesh_of(tmp_path: Path, text: str) -> ImportedMesh:
+    name = "a.inp" if text.startswith("*") else "a.bdf"
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return fs.read_mesh_file(tmp_path / name)
+
+
+def told(mesh: ImportedMesh, *others: object, joints: tuple[fs.Joint, ...] = (), **written: object) -> list[Finding]:
+    shell = fs.Shell("skin", mesh, **({"material": STEEL} | written))  # type: ignore[arg-type]
+    found = unused_findings(fs.Structure("a", (shell, *others), joints))  # type: ignore[arg-type]
+    return [one for one in found if one.code != "nodes-alone"]
+
+
+def severe(found: list[Finding]) -> str:
+    return "".join(one.message for one in found if one.severe)
+
+
+LAYERS = Laminate((Layer(STEEL, 0.005), Layer(STEEL, 0.005)))
+LAMINATE = "*SHELL SECTION, ELSET=SKIN, COMPOSITE\n0.004, , STEEL\n0.006, , ALU"
+BARS = "*ELEMENT, TYPE={}, ELSET=ROD\n11, 1, 2\n12, 2, 3\n*SOLID SECTION, ELSET=ROD, MATERIAL=STEEL\n1e-4"
+LOADED = "*STEP\n*STATIC\n*CLOAD\n2, 3, 1.\n*END STEP\n*STEP{}\n*FREQUENCY\n3\n*END STEP"
+FORBIDS = {
+    "offset": (inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, OFFSET=0.5\n0.01"), "OFFSET of *SHELL SECTION (line 30"),
+    "offset by a face": (inp("*SHELL SECTION, ELSET=skin, MATERIAL=STEEL, OFFSET=SNEG\n0.01"), "of 4 cells [the middl"),
+    "nodal thickness": (
+        inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, NODAL THICKNESS\n0.01", "*NODAL THICKNESS\n1, 0.02"),
+        "NODAL THICKNESS of *SHELL SECTION (line 30) of 4 cells [a thickness at each node; write 'thickness']",
+    ),
+    "two materials": (
+        inp("*SHELL SECTION, ELSET=A, MATERIAL=STEEL\n0.01\n*SHELL SECTION, ELSET=B, MATERIAL=ALU\n0.01"),
+        "2 materials where skin has one: STEEL of 2 cells (E 2.1e+11, rho 7850); ALU of 2 cells (E 7e+10, rho 2700)",
+    ),
+    "rods": (inp(more=BARS.format("T3D2")), "2 T3D2 elements (set ROD) [stiffness and mass; write frames]"),
+    "a membrane": (inp("*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=STEEL\n0.01"), "*MEMBRANE SECTION (line 30) of 4 cell"),
+    "preload": (inp(more=LOADED.format(", PERTURBATION")), "*FREQUENCY after a step of loads (line 37) [a body under"),
+    "large displacements": (inp(more=LOADED.replace("*STEP\n", "*STEP, NLGEOM\n", 1).format("")), "after a step of lo"),
+    "initial stress": (inp(more="*INITIAL CONDITIONS, TYPE=STRESS\n1, 1e6"), "*INITIAL CONDITIONS, TYPE=STRESS (line "),
+    "a sector": (inp(more="*CYCLIC SYMMETRY MODEL, N=4, TIE=T\n0,0,0,0,0,1"), "1 *CYCLIC SYMMETRY MODEL (line 32)"),
+    "supports in a step": (inp(more="*STEP\n*BOUNDARY\n1, 1, 3\n*FREQUENCY\n3"), "1 *BOUNDARY of a step (line 33)"),
+    "a misspelt keyword": (inp(more="*BOUNDRY\n1, 1, 3"), "1 *BOUNDRY (line 32) [a keyword that is not known: is it m"),
+    "an unknown option": (inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, TWIST=3\n0.01"), "option TWIST of *SHELL S"),
+    "nsm": (bulk("PSHELL,1,1,.01,1,,1,,12.5"), "NSM of PSHELL 1 (line 5) of 2 cells [12.5 of mass per area"),
+    "corners": (bulk(element=",,\n,,,.02,.02,.02,.02"), "T1, T2, .. of CQUAD4 (line 16) of 4 cells [a thick"),
+    "zoffs": (bulk(element=",,.002"), "ZOFFS of CQUAD4 (line 16) of 4 cells"),
+    "a blank MID2": (bulk("PSHELL,1,1,.01"), "PSHELL 1 without MID2 (line 5) of 2 cells [a membrane, without"),
+    "another MID2": (
+        bulk("PSHELL,1,1,.01,9,,1", more="MAT1,9,7.+10,,.3,2700."),
+        "MID2 of PSHELL 1 (line 5) of 2 cells [another material of bending than in the plane",
+    ),
+    "a sandwich": (bulk("PSHELL,1,1,.01,1,12.,1"), "12I/T^3 of PSHELL 1 (line 5) of 2 cells [stiffness in bending tim"),
+    "soft in shear": (bulk("PSHELL,1,1,.01,1,,1,.1"), "MID3 or TS/T of PSHELL 1"),
+    "two MAT1": (bulk("PSHELL,1,9,.01,9,,9", more="MAT1,9,7.+10,,.3,2700."), "2 materials where skin has one: materia"),
+    "bars": (bulk(more="CBAR,11,7,1,2,0.,0.,1.\nPBAR,7,1,1.-4,1.-8,1.-8,1.-8"), "1 CBAR elements (set property 7) [st"),
+    "rods of Nastran": (bulk(more="CROD,11,7,1,2\nCROD,12,7,2,3\nPROD,7,1,1.-4"), "2 CROD (line 20) [rods: stiffness"),
+    "springs": (bulk(more="CELAS2,11,1.+6,2,3"), "1 CELAS2 (line 20) [springs or dashpots between nodes; write spring"),
+    "wedges": (bulk(more="CPENTA,11,7,1,2,3,4,5,6"), "1 CPENTA (line 20) [wedges and pyramids: stiffness and mass; no"),
+    "static load first": (bulk(control="STATSUB = 3"), "1 STATSUB of the case control (line 3) [the vibration of a bo"),
+    "an equation": (bulk(more="MPC,1,1,1,1.,2,1,-1."), None),
+    "a chosen equation": (bulk(more="MPC,1,1,1,1.,2,1,-1.", control="MPC = 1"), "1 MPC (line 21) [rigid links or equ"),
+    "a misspelt card": (bulk(more="SPC11,1,123,1"), "1 SPC11 (line 20) [a card that is not known: is it misspelt?"),
+    "a field too many": (bulk(more="CONM2,11,2,,1.,,,,7."), "field 9 of CONM2 (line 20) [a field that is not read"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", FORBIDS)
+def test_what_a_deck_states_and_the_model_has_not_forbids_trust(what: str, tmp_path: Path) -> None:
+    text, message = FORBIDS[what]
+    found = severe(told(mesh_of(tmp_path, text)))
+    assert found == "" if message is None else message in found
+
+
+SILENT = {
+    "offset": (FORBIDS["offset"][0], {"offset": 0.005}),
+    "an offset of 0": (FORBIDS["offset"][0], {"offset": 0.0}),
+    "zoffs": (FORBIDS["zoffs"][0], {"offset": 0.002}),
+    "nodal thickness": (FORBIDS["nodal thickness"][0], {"thickness": 0.02}),
+    "corners": (FORBIDS["corners"][0], {"thickness": 0.02}),
+    "equal corners": (bulk(element=",,\n,,,.01,.01,.01,.01"), {}),
+    "layers": (inp(LAMINATE), {"material": LAYERS, "orientation": (1.0, 0.0, 0.0)}),
+    "a set of one material": (FORBIDS["two materials"][0], {"named": "A"}),
+    "a set without NSM": (FORBIDS["nsm"][0], {"named": "PSHELL 2"}),
+    "one material by two names": (bulk("PSHELL,1,9,.01,9,,9", more="MAT1,9,2.1+11,,.3,7850."), {}),
+    "a direction of steel": (bulk(element=",30."), {}),
+    "an orientation of steel": (
+        inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, ORIENTATION=O\n0.01", "*ORIENTATION, NAME=O\n1,0,0,0,1,0"),
+        {},
+    ),
+    "no offset": (inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, OFFSET=0.\n0.01"), {}),
+    "edges": (inp(more=BARS.format("T3D2").partition("*SOLID")[0].rstrip()), {}),  # as mesh programs write them
+    "a step without a load": (inp(more="*STEP, PERTURBATION\n*FREQUENCY\n3\n*END STEP"), {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", SILENT)
+def test_what_the_model_states_itself_or_does_not_take_forbids_nothing(what: str, tmp_path: Path) -> None:
+    text, written = SILENT[what]
+    assert severe(told(mesh_of(tmp_path, text), **written)) == ""
+
+
+def test_what_the_model_states_in_place_of_the_file_is_a_remark(tmp_path: Path) -> None:
+    mesh = mesh_of(tmp_path, FORBIDS["offset"][0])
+    (one,) = [one for one in told(mesh, offset=0.002) if one.code == "mesh-stated-otherwise"]
+    assert one.message.endswith("which holds: OFFSET of *SHELL SECTION (line 30) of 4 cells")
+    light = fs.Material("alu", E=70e9, nu=0.33, rho=2700.0)
+    (one,) = [one for one in told(mesh_of(tmp_path, inp()), material=light) if one.code == "mesh-stated-otherwise"]
+    assert "E 2.1e+11 Pa of STEEL, 7e+10 Pa of skin; rho 7850 kg/m^3 of STEEL, 2700 kg/m^3 of skin" in one.message
+
+
+def test_nouns_of_the_model_may_stand_for_those_of_a_deck(tmp_path: Path) -> None:
+    """A frame for its bars, a joint for its ties: the finding limits trust then."""
+    mesh = mesh_of(tmp_path, inp(more=BARS.format("B31") + "\n*TIE, NAME=T\na, b"))
+    beam = fs.Frame("rib", STEEL, rectangle("s", 0.01, 0.02), (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),), 0.5)
+    one, other = severe(told(mesh)), told(mesh, beam, joints=(fs.Joint("w", "skin", "rib"),))
+    assert "2 B31 elements" in one and "1 *TIE" in one and severe(other) == ""
+    (limits,) = [one for one in other if one.code == "mesh-states-more"]
+    assert "states what no part uses: 1 *TIE (line 37), 2 B31 elements (set ROD)" in limits.message
+
+
+def test_a_composite_is_named_with_what_to_write(tmp_path: Path) -> None:
+    message = r"got none, and layers of '.*' in a\..*, expected 'layers' in place of 'material'"
+    for text in (inp(LAMINATE), bulk("PCOMP,1,,,,,,,,\n,1,.004,0.,,2,.006,30.", more="MAT1,2,7.+10,,.33,2700.")):
+        mesh = mesh_of(tmp_path, text.replace("PSHELL,2", "PCOMP,2,,,,,,,,\n,1,.004,0.,,2,.006,30.\n$"))
+        with pytest.raises(InputError, match=message) as e:
+            fs.mesh_structure(fs.Structure("a", (fs.Shell("skin", mesh, STEEL),)))
+        assert "4 mm], [" in str(e.value) and "6 mm" in str(e.value)
+        assert "2 layers; write 'layers'" in severe(told(mesh, thickness=0.01))
+
+
+def every_card() -> list[str]:
+    known = (*nastran_words.WITHOUT_EFFECT, *nastran_words.LEFT_OUT)
+    assert not set(known) & {*nastran_file._CELLS, *nastran_file._READERS}
+    return [*known, *(f"XQ{n}" for n in range(100))]
+
+
+def test_no_card_is_passed_over(tmp_path: Path) -> None:
+    """Each card of the tables and a hundred unknown ones, all in one file: each is counted once, in its class."""
+    cards = every_card()
+    mesh = mesh_of(tmp_path, bulk(more="\n".join(f"{one},1" for one in cards), control="MPC=1\nNSM=1\nK2GG=A"))
+    found = {one.what: one for one in mesh.stated.left_out}
+    assert set(cards) <= set(found) and all(found[one].count == 1 and found[one].line for one in cards)
+    for one in cards:
+        none, left = one in nastran_words.WITHOUT_EFFECT, nastran_words.LEFT_OUT.get(one)
+        assert (
+            found[one].makes is (Makes.NOTHING if none else left[0] if left else Makes.UNKNOWN) and found[one].changes
+        )
+    shown = "".join(one.message for one in told(mesh) if one.code == "mesh-without-effect")
+    assert all(f"1 {one} (line" in shown for one in nastran_words.WITHOUT_EFFECT)
+
+
+def test_no_keyword_is_passed_over(tmp_path: Path) -> None:
+    words = [*abaqus_words.WITHOUT_EFFECT, *abaqus_words.LEFT_OUT, *(f"XQ{n}" for n in range(100))]
+    assert not set(words) & {*abaqus_file._READERS, *abaqus_file._MOVES}
+    outside = [one for one in words if one not in ("STEP", "STATIC", "FREQUENCY")]
+    mesh = mesh_of(tmp_path, inp(more="\n".join(f"*{one}" for one in outside)))
+    found = {one.what: one for one in mesh.stated.left_out}
+    for one in outside:
+        none, left = one in abaqus_words.WITHOUT_EFFECT, abaqus_words.LEFT_OUT.get(one)
+        got = found[f"*{one}"]
+        assert got.count == 1 and got.changes
+        assert got.makes is (Makes.NOTHING if none else left[0] if left else Makes.UNKNOWN)
+    in_step = mesh_of(tmp_path, inp(more="*STEP\n" + "\n".join(f"*{one}" for one in outside)))
+    assert {one.what for one in in_step.stated.left_out} >= set(found)
+
+
+@pytest.mark.parametrize("card", sorted({*nastran_file._CELLS, *nastran_file._READERS} - {"PARAM", "GRDSET"}))
+def test_no_field_is_passed_over(card: str, tmp_path: Path) -> None:
+    """A field far behind all that a card has is refused, or named; lists of numbers take it."""
+    lists = ("RBE2", "RBE3", "SPC1", "SPCADD", "SET1", "SET3", "PCOMP", "PCOMPG")
+    good = {
+        "GRID": "GRID,90,,0.,0.,0.",
+        "PSHELL": "PSHELL,9,1,.01,1,,1",
+        "CONM2": "CONM2,90,1,,1.",
+        "SPC": "SPC,1,1,123",
+    }
+    row = good.get(card, f"{card},90,1,1,2,3,4,5,6,7,8")
+    long = row.split(",") + [""] * (60 - len(row.split(","))) + ["77"]
+    lines = [",".join(["" if at else long[0], *long[1 + at : 9 + at]]) for at in range(0, len(long) - 1, 8)]
+    try:
+        mesh = mesh_of(tmp_path, bulk(more="\n".join(lines)))
+    except InputError as error:
+        assert "got" in str(error)
+        return
+    named = [one.what for one in mesh.stated.left_out if one.makes not in HARMLESS]
+    assert card in lists or f"field 61 of {card}" in named, named
+
+
+def test_parameters_are_known_or_named(tmp_path: Path) -> None:
+    mesh = mesh_of(tmp_path, bulk(more="PARAM,POST,-1\nPARAM,COUPMASS,1\nPARAM,CK2,2.\nPARAM,XYZZY,1"))
+    found = {one.what: one.makes for one in mesh.stated.left_out}
+    assert found["PARAM"] is Makes.NOTHING and found["PARAM, COUPMASS"] is Makes.SLIGHT
+    assert found["PARAM, CK2"] is Makes.SECTION and found["PARAM, XYZZY"] is Makes.SLIGHT
+
+
+def test_supports_that_are_not_read_are_the_reason_why_there_are_none(tmp_path: Path) -> None:
+    text = inp(more="*NSET, NSET=E\n1, 2\n*TRANSFORM, NSET=E\n1, 1, 0, -1, 1, 0\n*BOUNDARY\nE, 1, 2")
+    mesh = mesh_of(tmp_path, text)
+    with pytest.raises(
+        InputError, match=r"got supports, which a\.inp states only as 1 \*BOUNDARY in directions of \*TR"
+    ):
+        fs.Attachments("rest", mesh, ("supports",))
+
+
+def test_sets_of_springs_sets_below_and_short_nodes_are_read(tmp_path: Path) -> None:
+    more = (
+        "*ELEMENT, TYPE=SPRINGA\n91, 1, 9\n*ELSET, ELSET=SPR\n91\n*ELSET, ELSET=MIXED\n91, 1\n*BOUNDARY\nLATE, 1, 3\n"
+    )
+    mesh = mesh_of(tmp_path, inp(more=more + "*NSET, NSET=LATE\n2, 3").replace("1, 0.0, 0.0", "1, 0.", 1))
+    assert "SPR" not in mesh.cell_sets and mesh.cell_sets["MIXED"] == {"quad4": [0]}
+    assert mesh.numbers[mesh.stated.holds[0].nodes].tolist() == [2, 3] and mesh.points[0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_included_files_and_general_supports_of_nastran(tmp_path: Path) -> None:
+    """INCLUDE beside the file, also over two lines; GRDSET gives what GRID leaves out, wherever it stands."""
+    head, _, body = bulk(more="GRDSET,,,,,,,6").partition("BEGIN BULK\n")
+    body = body.replace("GRID,9,,1.0,1.0,0.", "GRID,9,,1.0,1.0,0.,,3")
+    (tmp_path / "inner.dat").write_text(body.replace("ENDDATA\n", ""), encoding="utf-8")
+    for include in ("INCLUDE 'inner.dat'", "include 'inn\n   er.dat'"):
+        mesh = mesh_of(tmp_path, f"{head}BEGIN BULK\n{include}\nENDDATA\n")
+        held = {one.held: mesh.numbers[one.nodes].tolist() for one in mesh.stated.holds}
+        assert held == {(5,): [1, 2, 3, 4, 5, 6, 7, 8], (2,): [9]}
+    (tmp_path / "inner.dat").write_text("GRID,1,,O.\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"inner\.dat:1:1: got GRID with 'O\.' in field 4, expected a number"):
+        mesh_of(tmp_path, f"{head}BEGIN BULK\nINCLUDE 'inner.dat'\nENDDATA\n")
+    with pytest.raises(InputError, match=r"a\.bdf:4:1: got"):
+        mesh_of(tmp_path, f"{head}BEGIN BULK\nINCLUDE 'none.dat'\nENDDATA\n")
