@@ -136,6 +136,7 @@ if TYPE_CHECKING:
     from femstruct.model.materials.loss_by_frequency import measured_losses as measured_losses
     from femstruct.model.materials.orthotropic import Orthotropic as Orthotropic
     from femstruct.model.materials.plate_section import PlateSection as PlateSection
+    from femstruct.model.materials.plate_section import SectionShare as SectionShare
     from femstruct.model.mesher import mesh_structure as mesh_structure
     from femstruct.model.model import Model as Model
     from femstruct.model.probe import Probe as Probe
@@ -275,7 +276,7 @@ _NAMES = {
     "model.materials.edge_wall": ("EdgeWall",),
     "model.materials.loss_by_frequency": ("LossByFrequency", "laboratory_losses", "measured_losses"),
     "model.materials.orthotropic": ("Orthotropic",),
-    "model.materials.plate_section": ("PlateSection",),
+    "model.materials.plate_section": ("PlateSection", "SectionShare"),
     "model.mesher": ("mesh_structure",),
     "model.model": ("Model",),
     "model.probe": ("Probe", "Surface"),

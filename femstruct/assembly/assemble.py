@@ -51,7 +51,11 @@ def assemble(model: Model) -> Assembly:
     for name, part in model.parts.items():
         own_stiffness, own_mass = part.stiffness_and_mass()
         masses.append(dofs.placed(name, own_mass))
-        if own_stiffness is not None:
+        shares = part.shares()
+        for share in shares:  # of layers that lose differently: each by its own share of the energy
+            stiffness[f"{name} ({share.name})"] = dofs.placed(name, share.stiffness)
+            loss_factors[f"{name} ({share.name})"] = share.loss_factor
+        if own_stiffness is not None and not shares:
             stiffness[name] = dofs.placed(name, own_stiffness)
             loss_factors[name] = part.loss_factor
         if (own_dashpots := part.dashpots()) is not None:

@@ -26,12 +26,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.elements.quadrature import gauss_interval
 from femstruct.errors import InputError
 
 GAUSS_POINTS = 3
 """A layer's shear stress is a parabola in z; its square is of degree 4."""
+TINY = 1e-30
+"""Of a modulus: a step into the imaginary, whose derivative has no rounding."""
 ROUNDING = 1e-14
 """Of A times the height of a face: what is left of B in a lay-up that is the same from above and below."""
 _DERIVED = np.array(
@@ -71,7 +73,7 @@ def turned(Q: ArrayLike, angle: ArrayLike) -> Floats:
     array([2., 8., 1.])
     """
     strains = strain_turn(angle)
-    result: Floats = np.swapaxes(strains, -1, -2) @ np.asarray(Q, float) @ strains
+    result: Floats = np.swapaxes(strains, -1, -2) @ _numbers(Q) @ strains
     return np.asarray((result + np.swapaxes(result, -1, -2)) / 2.0)
 
 
@@ -99,7 +101,7 @@ def turned_shear(G: ArrayLike, angle: ArrayLike) -> Floats:
     array([2., 8.])
     """
     strains = shear_strain_turn(angle)
-    result: Floats = np.swapaxes(strains, -1, -2) @ np.asarray(G, float) @ strains
+    result: Floats = np.swapaxes(strains, -1, -2) @ _numbers(G) @ strains
     return np.asarray((result + np.swapaxes(result, -1, -2)) / 2.0)
 
 
@@ -134,12 +136,24 @@ def stiffness(Q: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats, Floats]:
     >>> [round(float(matrix[0, 0]), 9) for matrix in (A, B, D)]
     [2.0, 0.0, 0.666666667]
     """
+    _, low, high = _faces(Q, z)
+    A, B, D = (of.sum(axis=0) for of in layer_stiffness(Q, z))
+    rounding = float(np.abs(A).max(initial=0.0) * np.abs(np.concatenate([low, high])).max(initial=0.0)) * ROUNDING
+    return A, np.where(np.abs(B) > rounding, B, 0.0), D
+
+
+def layer_stiffness(Q: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Shares [n, 3, 3] of the layers in the rigidities A [N/m], B [N], D [N m] about z = 0; arguments as `stiffness`.
+
+    >>> A, B, D = layer_stiffness(np.array([np.eye(3)] * 2), [-1.0, 0.0, 1.0])
+    >>> [matrix[:, 0, 0].round(9).tolist() for matrix in (A, B, D)]
+    [[1.0, 1.0], [-0.5, 0.5], [0.333333333, 0.333333333]]
+    """
     layers, low, high = _faces(Q, z)
     middle, thick = (low + high) / 2.0, high - low
     weights = np.stack([thick, thick * middle, thick * (middle**2 + thick**2 / 12.0)])
-    A, B, D = np.einsum("wn,nij->wij", weights, layers)
-    rounding = float(np.abs(A).max(initial=0.0) * np.abs(np.concatenate([low, high])).max(initial=0.0)) * ROUNDING
-    return A, np.where(np.abs(B) > rounding, B, 0.0), D
+    first, second, third = weights[:, :, None, None] * layers
+    return first, second, third
 
 
 def inertia(rho: ArrayLike, z: ArrayLike) -> tuple[float, float, float]:
@@ -165,6 +179,37 @@ def shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0)
     array([10., 10.])
     """
     return turned_shear(np.linalg.inv(_shear_compliances(Q, G, z, axis).sum(axis=0)), axis)
+
+
+def layer_shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float, of: Integers) -> Floats:
+    """Shares [m, 2, 2] of groups of layers in As [N/m], which sum to it: how it grows with all moduli of a group.
+
+    of [n] : the group of every layer, from 0 on; the rest as `shear_stiffness`.
+
+    Notes
+    -----
+    With complex moduli this is the imaginary part of As for a loss factor of one in the group, to the first order. It
+    is not the energy of the shear stresses there: where layers shear, bending goes from some to others, and with that
+    the losses of waves are those of three dimensions (`tests/analytic/test_laminates.py`). Alone it may be negative, of
+    skins that bend the less the more they shear; that is left out and the rest reduced to As, so that no motion of
+    any wavelength is driven.
+
+    >>> one = plane_stress([12.0] * 2, [12.0] * 2, [0.0] * 2, [6.0] * 2)
+    >>> shares = layer_shear_stiffness(one, [6.0 * np.eye(2)] * 2, [-1.0, 0.0, 1.0], 0.0, np.arange(2))
+    >>> shares[:, 0, 0].round(9)  # of 5/6 G h = 10
+    array([5., 5.])
+    """
+    root = np.linalg.cholesky(np.linalg.inv(_shear_compliances(Q, G, z, axis).sum(axis=0)))
+    unit = np.linalg.inv(root)
+    parts = []
+    for own in of == np.arange(of.max() + 1)[:, None]:
+        lossy = (1.0 + 1j * TINY * own)[:, None, None]
+        growing = np.linalg.inv(_shear_compliances(Q * lossy, G * lossy, z, axis).sum(axis=0)).imag / TINY
+        values, vectors = np.linalg.eigh(unit @ ((growing + growing.T) / 2.0) @ unit.T)
+        parts.append(vectors * values.clip(0.0) @ vectors.T)
+    values, vectors = np.linalg.eigh(np.sum(parts, axis=0))
+    reduced = root @ (vectors / np.sqrt(values)) @ vectors.T
+    return turned_shear(reduced @ np.stack(parts) @ reduced.T, axis)
 
 
 def shear_shares(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0) -> Floats:
@@ -232,13 +277,19 @@ def slipping(Q: ArrayLike, z: ArrayLike, bond: float) -> tuple[Floats, Floats, F
     >>> float(D[0, 0]), float(slipping(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 1.0)[1][0, 0])  # 2 D, 8 D
     (2.0, 8.0)
     """
-    layers, low, high = _faces(Q, z)
-    alone = layers * ((high - low) ** 3 / 12.0)[:, None, None]
+    layers, _, _ = _faces(Q, z)
+    alone = bending_alone(layers, z)
     A, B, D = stiffness(layers, z)
     mixed: Floats = bond * D + (1.0 - bond) * alone.sum(axis=0)
     free = free_to_stretch(A, bond * B, mixed)
     loose = (1.0 - bond) * np.trace(np.linalg.solve(free, alone), axis1=1, axis2=2) / 3.0
     return bond * B, mixed, np.asarray(loose + (1.0 - loose.sum()) * bending_shares(layers, z))
+
+
+def bending_alone(Q: ArrayLike, z: ArrayLike) -> Floats:
+    """Bending rigidities [n, 3, 3] of the layers, each about its own middle [N m]; arguments as `stiffness`."""
+    layers, low, high = _faces(Q, z)
+    return np.asarray(layers * ((high - low) ** 3 / 12.0)[:, None, None])
 
 
 def bending_shares(Q: ArrayLike, z: ArrayLike) -> Floats:
@@ -259,8 +310,14 @@ def bending_shares(Q: ArrayLike, z: ArrayLike) -> Floats:
     return np.asarray(np.trace(np.linalg.solve(free_to_stretch(A, B, D), each), axis1=1, axis2=2) / 3.0)
 
 
+def _numbers(matrices: ArrayLike) -> Floats:
+    """As float64; complex ones, of layers that lose, as they are."""
+    given = np.asarray(matrices)
+    return given if np.iscomplexobj(given) else np.asarray(given, float)
+
+
 def _faces(Q: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats, Floats]:
-    layers, heights = np.asarray(Q, float), np.asarray(z, float)
+    layers, heights = _numbers(Q), np.asarray(z, float)
     if layers.shape != (len(heights) - 1, 3, 3):
         raise InputError("layers", got=f"Q of shape {layers.shape}", expected=f"shape {(len(heights) - 1, 3, 3)}")
     return layers, heights[:-1], heights[1:]
@@ -270,7 +327,7 @@ def _flexibility(layers: Floats, low: Floats, high: Floats) -> Floats:
     """Strains and curvatures of membrane forces and moments [6, 6]; lengths in units of the thickness inside, since
     A and D differ by its square."""
     h = float(high[-1] - low[0])
-    A, B, D = stiffness(layers, np.append(low, high[-1]) / h)
+    A, B, D = (of.sum(axis=0) for of in layer_stiffness(layers, np.append(low, high[-1]) / h))
     unit = np.linalg.inv(np.block([[A, B], [B, D]]))
     scale = np.repeat([1.0, 1.0 / h], 3)
     result: Floats = unit * np.outer(scale, scale) / h

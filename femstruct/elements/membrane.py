@@ -67,11 +67,12 @@ def rectangle(a: ArrayLike, b: ArrayLike) -> Floats:
     return corners
 
 
-def stiffness(xy: ArrayLike, A: ArrayLike, drilling: float = 1.0) -> Floats:
+def stiffness(xy: ArrayLike, A: ArrayLike, drilling: float = 1.0, share: ArrayLike | None = None) -> Floats:
     """Stiffness matrices of membrane cells.
 
     xy [n, 4, 2] : corners [m]; A [3, 3] or [n, 3, 3] : membrane stiffness [N/m] in (Nx, Ny, Nxy) = A (u_x, v_y, u_y +
-    v_x); drilling : factor on the stiffness A66 that ties RZ to the rotation of the displacements.
+    v_x); drilling : factor on the stiffness A66 that ties RZ to the rotation of the displacements; share : a part of A,
+    as of some layers, whose part of the energy is wanted.
 
     Returns [n, 12, 12], DOFs u v RZ at every corner, exactly symmetric. Raises InputError for a cell that is not
     convex and for an A that is not symmetric.
@@ -82,9 +83,9 @@ def stiffness(xy: ArrayLike, A: ArrayLike, drilling: float = 1.0) -> Floats:
     >>> round(float(stretch @ K[0] @ stretch), 12)  # strain 1 on an area of 2
     2.0
     """
-    corners, rigidity = cells(xy), symmetric_rigidity("A", A)
-    each = np.broadcast_to(rigidity, (len(corners), 3, 3))
-    return each_once(N_DOFS, partial(_stiffness, drilling), corners - corners[:, :1], each)
+    corners, given = cells(xy), [symmetric_rigidity("A", of) for of in (A, share) if of is not None]
+    each = [np.broadcast_to(rigidity, (len(corners), 3, 3)) for rigidity in given]
+    return each_once(N_DOFS, partial(_stiffness, drilling), corners - corners[:, :1], *each)
 
 
 def mass(xy: ArrayLike, m0: ArrayLike, m2: ArrayLike) -> Floats:
@@ -183,6 +184,16 @@ def condensed(matrices: Floats) -> Floats:
     return product
 
 
+def condensed_share(whole: Floats, share: Floats) -> Floats:
+    """A part of the energy of matrices whose two last unknowns follow the others as `condensed` has it of the whole:
+    [n, k, k] twice -> [n, k-2, k-2]. The parts of a sum add up to `condensed` of it."""
+    inner = elimination(whole)
+    mixed = share[:, :-2, -2:] @ inner
+    product: Floats = share[:, :-2, :-2] - mixed - mixed.swapaxes(1, 2)
+    product += inner.swapaxes(1, 2) @ (share[:, -2:, -2:] @ inner)
+    return product
+
+
 @cache
 def integration_points() -> tuple[Floats, Floats, Floats]:
     """xi, eta and weights [13] of the points at which the strain energy is taken; the weights sum to 1."""
@@ -234,10 +245,16 @@ def drilling_stiffness(corners: Floats, modulus: ArrayLike) -> Floats:
     return product
 
 
-def _stiffness(drilling: float, corners: Floats, A: Floats) -> Floats:
+def _stiffness(drilling: float, corners: Floats, A: Floats, share: Floats | None = None) -> Floats:
+    energy = _energy(drilling, corners, A)
+    own = condensed(energy) if share is None else condensed_share(energy, _energy(drilling, corners, share))
+    return by_corner(symmetric(own))
+
+
+def _energy(drilling: float, corners: Floats, A: Floats) -> Floats:
     energy = strains(corners).energy(A)
     energy[:, :N_DOFS, :N_DOFS] += drilling_stiffness(corners, drilling * A[:, 2, 2])
-    return by_corner(symmetric(condensed(energy)))
+    return energy
 
 
 def _mass(corners: Floats, m0: Floats, m2: Floats) -> Floats:

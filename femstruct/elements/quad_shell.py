@@ -38,7 +38,7 @@ from femstruct.elements.facets.axes import congruent, flattened, frames, out_of_
 from femstruct.elements.facets.congruent import each_once
 from femstruct.elements.facets.mitc4 import shear_rows
 from femstruct.elements.facets.quadrilateral import cells, square_points, value_products, values
-from femstruct.elements.facets.rigidity import masses, section
+from femstruct.elements.facets.rigidity import Rigidities, masses, section
 
 N_DOFS: Final = 24
 # Of DOFs in own axes, in the order of `own_motion`.
@@ -47,13 +47,20 @@ _AS_LEANS: Final = slice(0, 8)  # strain rows of u and v are curvature rows of b
 
 
 def stiffness(
-    corners: ArrayLike, A: ArrayLike, B: ArrayLike, D: ArrayLike, As: ArrayLike, drilling: float = 1.0
+    corners: ArrayLike,
+    A: ArrayLike,
+    B: ArrayLike,
+    D: ArrayLike,
+    As: ArrayLike,
+    drilling: float = 1.0,
+    share: Rigidities | None = None,
 ) -> Floats:
     """Stiffness matrices of shell elements in global axes.
 
     corners [n, 4, 3] : places of the nodes [m]; A, B, D [3, 3] or [n, 3, 3] : membrane [N/m], coupling [N] and bending
     [N m] rigidity; As [2, 2] or [n, 2, 2] : transverse shear rigidity [N/m], its shear correction included; all in the
     axes of each element. drilling : factor on the stiffness A66 that ties RZ to the rotation of the displacements.
+    share : a part (A, B, D, As) of the rigidities, as of some layers, whose part of the energy is wanted.
 
     Returns [n, 24, 24], exactly symmetric. Raises InputError for a cell that is not convex and for rigidities that are
     not symmetric or not finite.
@@ -65,7 +72,8 @@ def stiffness(
     ((1, 24, 24), 6)
     """
     R, xy, heights = _placed(corners)
-    return each_once(N_DOFS, partial(_stiffness, drilling), R, xy, heights, *section(len(xy), A, B, D, As))
+    given = [*section(len(xy), A, B, D, As), *(section(len(xy), *share) if share is not None else ())]
+    return each_once(N_DOFS, partial(_stiffness, drilling), R, xy, heights, *given)
 
 
 def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Floats:
@@ -135,14 +143,19 @@ def _placed(corners: ArrayLike) -> tuple[Floats, Floats, Floats]:
     return R, cells(xy), heights
 
 
-def _stiffness(
-    drilling: float, R: Floats, xy: Floats, heights: Floats, A: Floats, B: Floats, D: Floats, As: Floats
-) -> Floats:
+def _stiffness(drilling: float, R: Floats, xy: Floats, heights: Floats, *rigidities: Floats) -> Floats:
+    """rigidities : A, B, D and As of the cells, and of a share of them."""
     own = np.zeros((len(xy), N_DOFS, N_DOFS))
-    own[:, _IN_PLANE, _IN_PLANE] = membrane.condensed(_in_plane_energy(xy, A, B, D, drilling))
+    stretch, coupling, bend, _, *share = rigidities
+    whole = _in_plane_energy(xy, stretch, coupling, bend, drilling)
+    if share:
+        part = _in_plane_energy(xy, share[0], share[1], share[2], drilling)
+        own[:, _IN_PLANE, _IN_PLANE] = membrane.condensed_share(whole, part)
+    else:
+        own[:, _IN_PLANE, _IN_PLANE] = membrane.condensed(whole)
     xi, eta, weights = square_points(2)
     rows, areas = shear_rows(xy, xi, eta)
-    own[:, _SHEAR, _SHEAR] += membrane.strain_energy(rows, As, rows, areas * weights)
+    own[:, _SHEAR, _SHEAR] += membrane.strain_energy(rows, rigidities[-1], rows, areas * weights)
     return congruent(own, own_motion(R, heights))
 
 

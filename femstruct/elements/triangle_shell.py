@@ -24,7 +24,7 @@ from femstruct.elements.facets import andes, dkmt, motion
 from femstruct.elements.facets.axes import congruent, flattened, frames, out_of_own_axes, own_motion
 from femstruct.elements.facets.congruent import each_once
 from femstruct.elements.facets.quadrilateral import cross
-from femstruct.elements.facets.rigidity import masses, section
+from femstruct.elements.facets.rigidity import Rigidities, masses, section
 from femstruct.elements.membrane import strain_energy
 from femstruct.errors import InputError
 
@@ -34,12 +34,15 @@ MIDDLES: Final = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 _PLATE, _MEMBRANE = slice(0, 9), slice(9, 18)
 
 
-def stiffness(corners: ArrayLike, A: ArrayLike, B: ArrayLike, D: ArrayLike, As: ArrayLike) -> Floats:
+def stiffness(
+    corners: ArrayLike, A: ArrayLike, B: ArrayLike, D: ArrayLike, As: ArrayLike, share: Rigidities | None = None
+) -> Floats:
     """Stiffness matrices of triangular shell elements in global axes.
 
     corners [n, 3, 3] : places of the nodes [m]; A, B, D [3, 3] or [n, 3, 3] : membrane [N/m], coupling [N] and bending
     [N m] rigidity; As [2, 2] or [n, 2, 2] : transverse shear rigidity [N/m], its shear correction included; all in the
-    axes of each element.
+    axes of each element. share : a part (A, B, D, As) of the rigidities, as of some layers, whose part of the energy is
+    wanted.
 
     Returns [n, 18, 18], exactly symmetric. Raises InputError for elements without area and for rigidities that are not
     symmetric or not finite.
@@ -55,7 +58,8 @@ def stiffness(corners: ArrayLike, A: ArrayLike, B: ArrayLike, D: ArrayLike, As: 
     ((1, 18, 18), 6)
     """
     R, xy = _placed(corners)
-    return each_once(N_DOFS, _stiffness, R, xy, *section(len(xy), A, B, D, As))
+    given = [*section(len(xy), A, B, D, As), *(section(len(xy), *share) if share is not None else ())]
+    return each_once(N_DOFS, _stiffness, R, xy, *given)
 
 
 def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Floats:
@@ -115,12 +119,14 @@ def resultants(
     return product
 
 
-def _stiffness(R: Floats, xy: Floats, A: Floats, B: Floats, D: Floats, As: Floats) -> Floats:
+def _stiffness(R: Floats, xy: Floats, *rigidities: Floats) -> Floats:
+    """rigidities : A, B, D and As of the cells, from which the strains follow, and of a share of them."""
+    (stretch, _, bend, shear), (A, B, D, As) = rigidities[:4], rigidities[-4:]
     areas, at = _areas(xy), np.broadcast_to(MIDDLES, (len(xy), 3, 3))
     each = np.repeat(areas[:, None] / 3.0, 3, axis=1)
     own = np.zeros((len(xy), N_DOFS, N_DOFS))
-    strains = andes.strain_rows(xy, areas, A, at)
-    curvatures, shears = dkmt.bending_rows(xy, areas, D, As, at)
+    strains = andes.strain_rows(xy, areas, stretch, at)
+    curvatures, shears = dkmt.bending_rows(xy, areas, bend, shear, at)
     own[:, _MEMBRANE, _MEMBRANE] = strain_energy(strains, A, strains, each)
     own[:, _PLATE, _PLATE] = strain_energy(curvatures, D, curvatures, each) + strain_energy(shears, As, shears, each)
     if B.any():

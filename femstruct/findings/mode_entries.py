@@ -126,10 +126,11 @@ MODES: Final = (
     ),
     Entry(
         "layers-lose-in-shear",
-        "The layers have other loss factors in transverse shear and in bending, and modes have only that of bending.",
+        "The layers of a thin plate have other loss factors in shear and in bending, and its modes have only those "
+        "of bending.",
         LIMITS,
-        "the two loss factors at 100 Hz differ by more than both thresholds",
-        "Give the part a loss factor of its own by 'smeared', or take solids for the layers.",
+        "the part is a 'type: plate', and the two loss factors at 100 Hz differ by more than both thresholds",
+        "Use 'type: slab' or 'shell': each layer loses there by its own share of stretching, bending and shear.",
         (
             Limit(
                 0.01, "difference of the loss factors", "damping is rarely known better", CHOSEN, "layer_losses.APART"

@@ -56,6 +56,15 @@ class Drawn(NamedTuple):
     lines: Integers
 
 
+class LossShare(NamedTuple):
+    """What some materials of a part have of its stiffness: their names, loss factor and the matrix [n, n] on its
+    degrees of freedom, the part of the energy of any motion that is theirs."""
+
+    name: str
+    loss_factor: Loss
+    stiffness: csr_array
+
+
 class Spread(NamedTuple):
     """Points over a region of a part: nodes [p, k], rows [p, 6, k, 7] of their motion, global axes, weights [p] [m or
     m^2]; what a thing spread over it is counted by beside the total, and the word for the region."""
@@ -245,6 +254,10 @@ class Meshed(ABC):
     @abstractmethod
     def stiffness_and_mass(self) -> tuple[csr_array | None, csr_array]:
         """Matrices [n, n] on its degrees of freedom; no stiffness where nothing of it deforms."""
+
+    def shares(self) -> list[LossShare]:
+        """Its stiffness by the loss factors of its layers, whose matrices add up to it; none where it has one."""
+        return []
 
     def dashpots(self) -> csr_array | None:
         """Dashpots [n, n] on its degrees of freedom; None where it has none."""

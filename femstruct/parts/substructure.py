@@ -19,7 +19,7 @@ from femstruct.model.imported.flat_cells import FlatCells, flat_cells
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.imported.nearest import cross_turning
 from femstruct.model.imported.shell_cells import rows_at
-from femstruct.model.meshed import Drawn, Meshed, OwnDofs
+from femstruct.model.meshed import Drawn, LossShare, Meshed, OwnDofs
 from femstruct.model.probe import Point, Surface
 from femstruct.model.region import Region, Vector
 from femstruct.model.rows import sparse_rows
@@ -224,6 +224,10 @@ class SubstructureMesh(Meshed):
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
         return self.part.component.K, self.part.component.M
+
+    def shares(self) -> list[LossShare]:
+        """As of the layers that it was of, unless one loss factor is given for all."""
+        return [] if self.part.loss_factor is not None else list(self.part.component.shares)
 
     def dashpots(self) -> csr_array | None:
         return self.part.component.C if self.part.component.C.nnz else None

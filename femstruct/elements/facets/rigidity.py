@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 
+Rigidities = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
+"""A, B, D and As."""
 ROUNDING: Final = 1e-12
 """Asymmetry that the products of matrices leave, beside the largest entry."""
 

@@ -22,6 +22,7 @@ from femstruct.errors import InputError
 from femstruct.files.inputs.foreign_matrices import foreign_assembly, is_foreign
 from femstruct.files.inputs.opening import content
 from femstruct.model.imported.component import Component
+from femstruct.model.meshed import LossShare
 
 FORMAT: Final = "femstruct matrices 1"
 LARGEST: Final = 4 * 2**30  # bytes of a file
@@ -128,6 +129,14 @@ def _checked(about: Any) -> dict[str, Any]:
     return about
 
 
+def _shares(file: Mapping[str, Any]) -> tuple[LossShare, ...]:
+    """Of the stiffness of a reduced part by the loss factors of its layers; none in files of before."""
+    if "share_K" not in file:
+        return ()
+    each = zip(file["share_names"].tolist(), file["share_losses"].tolist(), file["share_K"], strict=True)
+    return tuple(LossShare(name, loss, csr_array(K)) for name, loss, K in each)
+
+
 def read_component(
     path: str | Path | Mapping[str, str | Path],
     sources: dict[str, str] | None = None,
@@ -146,6 +155,7 @@ def read_component(
     if data[:2] == b"PK":
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             more |= {name: file[name] for name in _OF_REDUCTIONS if name in file}
+            more["shares"] = _shares(file)
             named = json.loads(str(file["about"])).get("sets", {}) if "about" in file else {}
         more["sets"] = {name: np.asarray(one, np.int64) for name, one in named.items()}
     more |= {name: float(more[name]) for name in ("girth", "depth", "loss_factor", "reduced_to_hz") if name in more}

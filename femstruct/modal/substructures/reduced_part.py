@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array
 
 from femstruct.arrays import Floats, Integers
 from femstruct.assembly.given_matrices import mapped_matrices
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import InputError, some_of
+from femstruct.modal.outputs import projected
 from femstruct.modal.substructures.craig_bampton import Reduced, craig_bampton
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.materials.loss_by_frequency import LossByFrequency
-from femstruct.model.meshed import Meshed
+from femstruct.model.meshed import LossShare, Meshed
 from femstruct.model.model import Model
 
 
@@ -27,9 +28,9 @@ class ReducedPart:
     assembly : its reduced matrices, and the motion of all its nodes. interface : nodes that others touch. quads,
     lines : of its cells. axes [3, 3] : of a plate whose nodes have a twist, none for others. girth [m], beside
     [n_nodes, 3] [m] : of its bars, which joints with plates need. depth [m] : of a plate or shell, which joints with
-    bars need. loss_factor : of its
-    stiffness. reduced : what the reduction gave. sets : nodes of the interface by the name of the support, joint or
-    spring that touches them in the model. supports : which of these names are supports; they stay in the model.
+    bars need. loss_factor : of its stiffness. shares : of its stiffness by the loss factors of its layers, where these
+    lose differently. reduced : what the reduction gave. sets : nodes of the interface by the name of the support, joint
+    or spring that touches them in the model. supports : which of these names are supports; they stay in the model.
     """
 
     assembly: Assembly
@@ -41,6 +42,7 @@ class ReducedPart:
     depth: float
     beside: Floats
     loss_factor: float
+    shares: tuple[LossShare, ...]
     reduced: Reduced
     sets: Mapping[str, Integers]
     supports: tuple[str, ...]
@@ -62,7 +64,7 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
     K, M = part.stiffness_and_mass()
     if K is None:
         raise InputError(where, got="a rigid part", expected="one that deforms")
-    loss = part.loss_factor
+    loss, shares = part.loss_factor, part.shares()
     if isinstance(loss, LossByFrequency):
         raise InputError(where, got="a loss factor by frequency", expected="one number", do="give the material one")
     sets = _touched_by(model, part)
@@ -96,10 +98,22 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
         part.depth,
         part.beside(part.nodes),
         loss,
+        _reduced_shares(shares, reduced),
         reduced,
         sets,
         tuple(one.name for one in model.structure.supports if one.name in sets),
     )
+
+
+def _reduced_shares(shares: Sequence[LossShare], reduced: Reduced) -> tuple[LossShare, ...]:
+    """Shares of the reduced stiffness; the last is what the others leave of it, so that they add up to it."""
+    found: list[LossShare] = []
+    left = np.array(reduced.K)
+    for number, one in enumerate(shares, 1):
+        own = projected(csc_array(one.stiffness), reduced.recovery) if number < len(shares) else left
+        left = left - own
+        found.append(one._replace(stiffness=csr_array(own)))
+    return tuple(found)
 
 
 def _touched_by(model: Model, part: Meshed) -> dict[str, Integers]:

@@ -12,6 +12,7 @@ from scipy.sparse.linalg import lsqr
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError
+from femstruct.model.meshed import LossShare
 
 _EXACT = 1e-14  # residual of the least-squares solver: rounding
 _FITS = 1e-9  # of what is wanted: degrees of freedom that miss it by more do not have the motion
@@ -27,7 +28,8 @@ class Component:
     lines [l, 2] : nodes of faces and bars, for pictures. axes [3, 3] : of a plate whose nodes have a twist; none for
     others. girth [m], beside [n_nodes, 3] [m] : of bars, as of `Meshed`; 0 and none for others, and in files of before.
     depth [m] : of a plate or shell that stretches, as of `Meshed`; 0 for others, and in files of before.
-    loss_factor : of the stiffness [1]. reduced_to_hz : highest frequency of the modes that were kept, of a
+    loss_factor : of the stiffness [1]. shares : of the stiffness by loss factors, of a part of layers that lose
+    differently; they add up to it. reduced_to_hz : highest frequency of the modes that were kept, of a
     reduction; None for a whole structure. sets : nodes of the interface by the name of what touched them when it was
     reduced, as a support.
 
@@ -58,6 +60,7 @@ class Component:
     depth: float = 0.0
     beside: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     loss_factor: float = 0.0
+    shares: tuple[LossShare, ...] = ()
     reduced_to_hz: float | None = None
     sets: Mapping[str, Integers] = field(default_factory=dict)
     translations: Floats = field(init=False)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -15,7 +16,7 @@ from femstruct.elements.placement import with_offsets
 from femstruct.elements.quadrature import gauss_interval
 from femstruct.model.grid.scatter import scattered
 from femstruct.model.imported.flat_cells import FlatCells
-from femstruct.model.materials.plate_section import PlateSection
+from femstruct.model.materials.plate_section import PlateSection, SectionShare
 
 SAME_SHAPE: Final = 11  # digits to which cells agree that are one shape: the rounding of coordinates of a grid
 EDGE_ORDER: Final = 3  # Gauss points an edge: exact for products of two quadratic motions
@@ -45,18 +46,45 @@ class Sections(NamedTuple):
     m2: Floats
 
 
+class Rigidities(NamedTuple):
+    """A part of A, B, D [m, 3, 3], As [m, 2, 2] of cells, in their own axes."""
+
+    A: Floats
+    B: Floats
+    D: Floats
+    As: Floats
+
+
 def cell_sections(
     cells: FlatCells, sections: list[PlateSection], which: Integers, x_direction: Floats | None
 ) -> Sections:
     """Rigidities and masses of each cell in its own axes. which [q + t] : number of the section of each. x_direction
     [3] : of the x of the sections, laid into each cell; None where they have none."""
-    stiff = [np.stack([getattr(one, name) for one in sections])[which] for name in ("A", "B", "D", "As")]
-    stiff[1] *= np.array([one.coupled for one in sections])[which, None, None]  # else it is rounding
-    if x_direction is not None:
-        angle = np.concatenate([angles(frames(cells.points[own]), x_direction) for own in _kinds(cells) if len(own)])
-        stiff = [turned(matrix, angle) for matrix in stiff]
+    A, B, D, As = _in_own_axes(cells, sections, which, x_direction)
+    B = B * np.array([one.coupled for one in sections])[which, None, None]  # else it is rounding
     masses = (np.array([getattr(one, name) for one in sections])[which] for name in ("m0", "m1", "m2"))
-    return Sections(*stiff, *masses)
+    return Sections(A, B, D, As, *masses)
+
+
+def cell_shares(
+    cells: FlatCells, sections: list[PlateSection], which: Integers, x_direction: Floats | None
+) -> list[Rigidities]:
+    """What layers of each loss factor have of the rigidities of each cell, as `cell_sections`; none where all lose
+    alike."""
+    return [
+        Rigidities(*_in_own_axes(cells, list(each), which, x_direction))
+        for each in zip(*(one.shares for one in sections), strict=True)
+    ]
+
+
+def _in_own_axes(
+    cells: FlatCells, of: Sequence[PlateSection | SectionShare], which: Integers, x_direction: Floats | None
+) -> list[Floats]:
+    stiff = [np.stack([getattr(one, name) for one in of])[which] for name in ("A", "B", "D", "As")]
+    if x_direction is None:
+        return stiff
+    angle = np.concatenate([angles(frames(cells.points[own]), x_direction) for own in _kinds(cells) if len(own)])
+    return [turned(matrix, angle) for matrix in stiff]
 
 
 def _kinds(cells: FlatCells) -> tuple[Integers, Integers]:
@@ -66,32 +94,63 @@ def _kinds(cells: FlatCells) -> tuple[Integers, Integers]:
 def cell_matrices(cells: FlatCells, of: Sections, offset: float) -> tuple[csr_array, csr_array]:
     """Stiffness and mass [6 n, 6 n] of all cells. of : the sections of all. offset : from the mesh to the middle of the
     thickness, along the normals [m]; nodes carry it on rigid arms."""
-    n_quads, count = len(cells.quads), 6 * len(cells.points)
-    found = []
-    for kind, nodes, own in (
-        (quad_shell, cells.quads, slice(0, n_quads)),
-        (triangle_shell, cells.triangles, slice(n_quads, None)),
-    ):
-        if not len(nodes):
-            continue
-        one, copies = _alike(cells.points[nodes], Sections(*(part[own] for part in of)))
-        corners, section = cells.points[nodes[one]], Sections(*(part[own][one] for part in of))
-        matrices = (
-            kind.stiffness(corners, section.A, section.B, section.D, section.As),
-            kind.mass(corners, section.m0, section.m1, section.m2),
-        )
-        if offset:
-            arms = [offset * cells.normals[own][one]] * nodes.shape[1]
-            matrices = (with_offsets(matrices[0], *arms), with_offsets(matrices[1], *arms))
-        numbers = (6 * nodes[:, :, None] + np.arange(6)).reshape(len(nodes), -1)
-        found.append(scattered(*matrices, numbers, count, copies))
-    K, M = found[0]
-    for more in found[1:]:
-        K, M = csr_array(K + more[0]), csr_array(M + more[1])
+    K, M = _put_together(
+        cells,
+        of,
+        offset,
+        lambda kind, corners, one: (
+            kind.stiffness(corners, *(part[one] for part in of[:4])),
+            kind.mass(corners, *(part[one] for part in of[4:])),
+        ),
+    )
     return K, M
 
 
-def _alike(corners: Floats, of: Sections) -> tuple[Integers, Integers]:
+def share_matrices(cells: FlatCells, of: Sections, shares: Sequence[Rigidities], offset: float) -> list[csr_array]:
+    """Stiffness [6 n, 6 n] of shares of the rigidities of all cells: the part of the energy in any motion that is
+    theirs. They add up to the stiffness of `cell_matrices`, whose arguments these are."""
+    everything = (*of[:4], *(part for share in shares for part in share))
+    return _put_together(
+        cells,
+        everything,
+        offset,
+        lambda kind, corners, one: tuple(
+            kind.stiffness(corners, *(part[one] for part in of[:4]), share=tuple(part[one] for part in share))
+            for share in shares
+        ),
+    )
+
+
+def _put_together(
+    cells: FlatCells,
+    of: Sequence[Floats],
+    offset: float,
+    matrices: Callable[[Any, Floats, Integers], Sequence[Floats]],
+) -> list[csr_array]:
+    """Sums of matrices of cells; of : all that they depend on beside the corners, one entry a cell. matrices : of a
+    kind of cell, from the corners of some and their numbers."""
+    n_quads, count = len(cells.quads), 6 * len(cells.points)
+    found: list[list[csr_array]] = []
+    for kind, nodes, first in ((quad_shell, cells.quads, 0), (triangle_shell, cells.triangles, n_quads)):
+        if not len(nodes):
+            continue
+        one, copies = _alike(cells.points[nodes], [part[first : first + len(nodes)] for part in of])
+        each = matrices(kind, cells.points[nodes[one]], first + one)
+        if offset:
+            arms = [offset * cells.normals[first + one]] * nodes.shape[1]
+            each = [with_offsets(matrix, *arms) for matrix in each]
+        numbers = (6 * nodes[:, :, None] + np.arange(6)).reshape(len(nodes), -1)
+        pairs = [
+            scattered(each[at], each[min(at + 1, len(each) - 1)], numbers, count, copies)
+            for at in range(0, len(each), 2)
+        ]
+        found.append([matrix for pair in pairs for matrix in pair][: len(each)])
+    if len(found) == 1:
+        return found[0]
+    return [csr_array(four + three) for four, three in zip(*found, strict=True)]
+
+
+def _alike(corners: Floats, of: Sequence[Floats]) -> tuple[Integers, Integers]:
     """One cell of each shape, place and section aside, and which of them each cell is: matrices are computed once."""
     away = corners[:, 1:] - corners[:, :1]
     size = np.abs(away).max(axis=(1, 2))

@@ -16,7 +16,7 @@ from femstruct.model.given import Given, of_loss
 from femstruct.model.material import Material
 from femstruct.model.materials.loss_by_frequency import Loss, check_loss, weighted
 from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
-from femstruct.model.materials.plate_section import PlateSection
+from femstruct.model.materials.plate_section import PlateSection, SectionShare
 
 SHEAR_FACTOR = 5.0 / 6.0  # of a homogeneous plate: a parabola of shear stress
 
@@ -111,7 +111,27 @@ class Laminate:
             high=float(z[-1]),
             loss_factor=weighted(losses, bends),
             shear_loss_factor=weighted(losses, shears),
+            shares=self._shares(stiff, soft, z, axis),
         )
+
+    def _shares(self, stiff: Floats, soft: Floats, z: Floats, axis: float) -> tuple[SectionShare, ...]:
+        """What layers of each loss factor have of the rigidities; none where all lose alike."""
+        losses = list(dict.fromkeys(layer.material.loss_factor for layer in self.layers))
+        if len(losses) == 1:
+            return ()
+        of = np.array([losses.index(layer.material.loss_factor) for layer in self.layers])
+        shear = laminate.layer_shear_stiffness(stiff, soft, z, axis, of)
+        A, B, D = laminate.layer_stiffness(stiff, z)
+        alone = SHEAR_FACTOR * soft * np.diff(z)[:, None, None]
+        B, D = self.bond * B, self.bond * D + (1.0 - self.bond) * laminate.bending_alone(stiff, z)
+        found = []
+        for number, loss in enumerate(losses):
+            own = of == number
+            names = dict.fromkeys(layer.material.name for layer in self.layers if layer.material.loss_factor == loss)
+            across = self.bond * shear[number] + (1.0 - self.bond) * alone[own].sum(axis=0)
+            membrane, coupling, bends = (matrix[own].sum(axis=0) for matrix in (A, B, D))
+            found.append(SectionShare(", ".join(names), loss, membrane, coupling, bends, across))
+        return tuple(found)
 
     def stresses(self, N: ArrayLike, M: ArrayLike) -> Floats:
         """Stresses (sigma_x, sigma_y, tau_xy) [m, n, 2, 3] in Pa along the plate's axes at the lower and upper face of

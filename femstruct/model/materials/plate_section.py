@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,33 @@ COUPLED = 1e-9  # of what B could be: beyond the rounding of a lay-up that is th
 
 
 @dataclass(frozen=True, eq=False)
+class SectionShare:
+    """What layers of one loss factor have of the energy of a plate: their part of its A, B, D and As.
+
+    name : of their materials. loss_factor [1]. The parts of all layers sum to the rigidities of the plate.
+    """
+
+    name: str
+    loss_factor: Loss
+    A: Floats
+    B: Floats
+    D: Floats
+    As: Floats
+
+    def __post_init__(self) -> None:
+        matrices = {name: frozen(f"SectionShare {name}", getattr(self, name), (3, 3)) for name in ("A", "B", "D")}
+        freeze(self, **matrices, As=frozen("SectionShare As", self.As, (2, 2)))
+
+    def about(self, offset: float) -> SectionShare:
+        """As `PlateSection.about`."""
+        return replace(self, **_about(self, offset))
+
+    def turned(self, angle: float) -> SectionShare:
+        """As `PlateSection.turned`."""
+        return replace(self, **_turned(self, angle))
+
+
+@dataclass(frozen=True, eq=False)
 class PlateSection:
     """Rigidities and masses of a plate per area, about its reference surface, along its own axes x and y.
 
@@ -21,7 +49,9 @@ class PlateSection:
     As [2, 2] : transverse shear stiffness of (gamma_xz, gamma_yz) [N/m], from the lay-up: no correction is to be added.
     m0 [kg/m^2], m1 [kg/m], m2 [kg] : mass per area and its moments. low, high : heights of its faces above the
     reference surface [m], which is in the middle unless it was moved (`about`). loss_factor, shear_loss_factor : of
-    bending and of transverse shear, the layers weighted by their share of its energy [1].
+    bending and of transverse shear, the layers weighted by their share of its energy [1], for what asks for one
+    number. shares : of layers by their loss factor, of layers that lose differently: in its modes each loses by its
+    part of the energy of any motion.
 
     >>> from femstruct.model.material import Material
     >>> from femstruct.model.materials.lay_up import section_of
@@ -41,6 +71,7 @@ class PlateSection:
     high: float
     loss_factor: Loss
     shear_loss_factor: Loss
+    shares: tuple[SectionShare, ...] = ()
 
     def __post_init__(self) -> None:
         matrices = {name: frozen(f"PlateSection {name}", getattr(self, name), (3, 3)) for name in ("A", "B", "D")}
@@ -63,6 +94,14 @@ class PlateSection:
         surface."""
         return laminate.free_to_stretch(self.A, self.B, self.D) if self.coupled else self.D
 
+    def bending_of(self, share: SectionShare) -> Floats:
+        """Part [3, 3] of layers in the energy of `bending` [N m]."""
+        if not self.coupled:
+            return share.D
+        stretch = -np.linalg.solve(self.A, self.B)
+        part: Floats = stretch.T @ share.A @ stretch + stretch.T @ share.B + share.B @ stretch + share.D
+        return (part + part.T) / 2.0
+
     def stretching(self, angle: float = 0.0) -> float:
         """Membrane stiffness along a direction at an angle from x [rad], its sides free to draw in [N/m]: E h."""
         return float(1.0 / np.linalg.inv(laminate.turned(self.A, -angle))[0, 0])
@@ -71,8 +110,8 @@ class PlateSection:
         """The same about a reference surface from which its own is `offset` away along z [m]."""
         return replace(
             self,
-            B=self.B + offset * self.A,
-            D=self.D + 2.0 * offset * self.B + offset**2 * self.A,
+            **_about(self, offset),
+            shares=tuple(one.about(offset) for one in self.shares),
             m1=self.m1 + offset * self.m0,
             m2=self.m2 + 2.0 * offset * self.m1 + offset**2 * self.m0,
             low=self.low + offset,
@@ -81,5 +120,13 @@ class PlateSection:
 
     def turned(self, angle: float) -> PlateSection:
         """The same along axes from which its own x is turned by an angle about z [rad]."""
-        A, B, D = (laminate.turned(matrix, angle) for matrix in (self.A, self.B, self.D))
-        return replace(self, A=A, B=B, D=D, As=laminate.turned_shear(self.As, angle))
+        return replace(self, **_turned(self, angle), shares=tuple(one.turned(angle) for one in self.shares))
+
+
+def _about(of: PlateSection | SectionShare, offset: float) -> dict[str, Any]:
+    return {"B": of.B + offset * of.A, "D": of.D + 2.0 * offset * of.B + offset**2 * of.A}
+
+
+def _turned(of: PlateSection | SectionShare, angle: float) -> dict[str, Any]:
+    in_plane = {name: laminate.turned(getattr(of, name), angle) for name in ("A", "B", "D")}
+    return {**in_plane, "As": laminate.turned_shear(of.As, angle)}

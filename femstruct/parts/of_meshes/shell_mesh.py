@@ -19,12 +19,15 @@ from femstruct.model.imported.shell_cells import (
     Sections,
     cell_matrices,
     cell_sections,
+    cell_shares,
     edge_gauss,
     rows_at,
+    share_matrices,
 )
 from femstruct.model.materials.lay_up import section_of
 from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.meshed import EdgePoints, Meshed, OwnDofs, nodal_dofs
+from femstruct.model.materials.plate_section import PlateSection
+from femstruct.model.meshed import EdgePoints, LossShare, Meshed, OwnDofs, nodal_dofs
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region, Side
 from femstruct.model.rows import flat_rows, sparse_rows
@@ -59,9 +62,12 @@ class ShellMesh(CellsMesh):
     @property
     def sections(self) -> Sections:
         """Rigidities and masses per area of its cells, about the middle of their thickness."""
+        return cell_sections(self.cells, *self._made(), self.part.x_direction)
+
+    def _made(self) -> tuple[list[PlateSection], Integers]:
+        """Different sections, and the number of that of each cell [q + t]."""
         different, which = np.unique(self.thickness, return_inverse=True)
-        made = [section_of(self.part.material, float(t)) for t in different]
-        return cell_sections(self.cells, made, which.ravel(), self.part.x_direction)
+        return [section_of(self.part.material, float(t)) for t in different], which.ravel()
 
     @property
     def per_area(self) -> Floats:
@@ -131,6 +137,14 @@ class ShellMesh(CellsMesh):
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
         return put_where(f"parts.{self.name}", lambda: cell_matrices(self.cells, self.sections, self.part.shift))
+
+    def shares(self) -> list[LossShare]:
+        made, which = self._made()
+        if not made[0].shares:
+            return []
+        each = cell_shares(self.cells, made, which, self.part.x_direction)
+        matrices = share_matrices(self.cells, self.sections, each, self.part.offset)
+        return [LossShare(one.name, one.loss_factor, K) for one, K in zip(made[0].shares, matrices, strict=True)]
 
     @property
     def facets(self) -> FlatCells:

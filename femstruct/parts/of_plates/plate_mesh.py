@@ -19,7 +19,7 @@ from femstruct.model.grid.scatter import interleaved, scattered, with_diagonal
 from femstruct.model.imported.facing import towards
 from femstruct.model.materials.lay_up import stresses_of_resultants
 from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.meshed import Drawn, EdgePoints, Meshed, OwnDofs, Spread
+from femstruct.model.meshed import Drawn, EdgePoints, LossShare, Meshed, OwnDofs, Spread
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Facing, Region, Side
@@ -164,24 +164,45 @@ class PlateMesh(Meshed):
         """Bending of its cells, and their membrane; where it is rigid in its plane, inertia as a rigid body there."""
         part = self.part
         section = part.section
-        sizes = np.stack(self.cell_sizes, axis=1)
-        rounded = np.round(sizes / sizes.max(), SAME_SIZE)
-        _, first, which = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-        a, b = sizes[first].T
+        a, b, which = self._sizes()
         bends = plate.stiffness(part.element, a, b, section.bending), plate.mass(part.element, a, b, self.per_area)
         bending = plate.dofs_per_node(part.element)
         if not self.rigid_in_plane:
             corners = membrane.rectangle(a, b)
             stretches = membrane.stiffness(corners, section.A), membrane.mass(corners, section.m0, section.m2)
-            of_bending = self._of_cells(bends, which.ravel(), bending)
-            of_membrane = self._of_cells(stretches, which.ravel(), STRETCHING)
+            of_bending = self._of_cells(bends, which, bending)
+            of_membrane = self._of_cells(stretches, which, STRETCHING)
             K, M = (interleaved(both, (bending, STRETCHING)) for both in zip(of_bending, of_membrane, strict=True))
             return K, M
-        K, M = self._of_cells(bends, which.ravel(), bending)
+        K, M = self._of_cells(bends, which, bending)
         width, height = part.size
         total = self.per_area * width * height
         inertia = np.array([total, total, total * (width**2 + height**2) / 12.0])
         return with_diagonal(K, np.zeros(3)), with_diagonal(M, inertia)
+
+    def shares(self) -> list[LossShare]:
+        """Bending about the neutral surface and stretching have no energy in common, as in its stiffness."""
+        part, section, found = self.part, self.part.section, []
+        a, b, which = self._sizes()
+        for one in section.shares:
+            bends = plate.stiffness(part.element, a, b, section.bending_of(one))
+            K, _ = self._of_cells((bends, bends), which, plate.dofs_per_node(part.element))
+            if self.rigid_in_plane:
+                K = with_diagonal(K, np.zeros(3))
+            else:
+                stretches = membrane.stiffness(membrane.rectangle(a, b), section.A, share=one.A)
+                of_membrane, _ = self._of_cells((stretches, stretches), which, STRETCHING)
+                K = interleaved((K, of_membrane), (plate.dofs_per_node(part.element), STRETCHING))
+            found.append(LossShare(one.name, one.loss_factor, K))
+        return found
+
+    def _sizes(self) -> tuple[Floats, Floats, Integers]:
+        """Sides a, b of the cells of each size [m], and which of them every cell is [nx * ny]."""
+        sizes = np.stack(self.cell_sizes, axis=1)
+        rounded = np.round(sizes / sizes.max(), SAME_SIZE)
+        _, first, which = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+        a, b = sizes[first].T
+        return a, b, which.ravel()
 
     def _of_cells(self, matrices: tuple[Floats, Floats], which: Integers, per_node: int) -> tuple[csr_array, csr_array]:
         """Stiffness and mass of all cells from those of each size of cell."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from femstruct.errors import InputError
 from femstruct.files.exchange.matrices_file import write_npz
 from femstruct.language import read_model_file
@@ -58,6 +60,9 @@ def reduce_model(
         "depth": found.depth,
         "beside": found.beside,
         "loss_factor": found.loss_factor,
+        "share_names": np.array([one.name for one in found.shares], dtype=np.str_),
+        "share_losses": np.array([one.loss_factor for one in found.shares], dtype=np.float64),
+        "share_K": np.array([one.stiffness.toarray() for one in found.shares]),
         "reduced_to_hz": extent.up_to_hz or found.reduced.frequency_hz[: found.reduced.n_modes].max(initial=0.0),
     }
     output.parent.mkdir(parents=True, exist_ok=True)
