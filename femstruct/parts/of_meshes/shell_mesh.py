@@ -143,7 +143,7 @@ class ShellMesh(CellsMesh):
         if not made[0].shares:
             return []
         each = cell_shares(self.cells, made, which, self.part.x_direction)
-        matrices = share_matrices(self.cells, self.sections, each, self.part.offset)
+        matrices = share_matrices(self.cells, self.sections, each, self.part.shift)
         return [LossShare(one.name, one.loss_factor, K) for one, K in zip(made[0].shares, matrices, strict=True)]
 
     @property
