@@ -126,7 +126,7 @@ MODES: Final = (
     ),
     Entry(
         "layers-lose-in-shear",
-        "The layers of a thin plate lose differently in shear, and its modes lose as in bending.",
+        "The layers of a thin plate have another loss factor in shear, and modes have that of bending.",
         LIMITS,
         "the part is a 'type: plate', and the two loss factors at 100 Hz differ by more than both thresholds",
         "Use 'type: slab' or 'shell': each layer loses there by its own share of stretching, bending and shear.",
