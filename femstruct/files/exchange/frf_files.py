@@ -116,7 +116,10 @@ def read_frf_csv(path: Path) -> list[FrfColumns]:
         unit = frf_unit(kind, *(found[end].rpartition(".")[2] for end in ("drive", "response")))
         if found["unit"] != unit:
             raise grid.wrong(head, f"a {kind} in '{found['unit']}'", f"one in {unit}")
-        places.setdefault((found["drive"], found["response"], kind), {})[found["part"]] = at
+        parts = places.setdefault((found["drive"], found["response"], kind), {})
+        if found["part"] in parts:
+            raise grid.wrong(head, f"two columns {shown_as(cell)}", "one of each name")
+        parts[found["part"]] = at
     values = np.array([_numbers(grid, row, len(head.cells)) for row in rows])
     if not (np.diff(values[:, 0]) > 0.0).all():
         line = int(np.flatnonzero(~(np.diff(values[:, 0]) > 0.0))[0]) + 1

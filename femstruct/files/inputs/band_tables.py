@@ -104,6 +104,8 @@ def bands_in(grid: Grid, dimension: str, column: str = "") -> dict[float, BandVa
         if value is None:
             got = f"no value at {band:g} Hz" if cell.lower() in _BLANK else shown_as(cell)
             raise grid.wrong(row, got, "a number in every band", "leave out the line of a band that was not measured")
+        if lost := next((one for one in row.cells[len(heads) + 1 :] if grid.number(row, one) is not None), ""):
+            raise grid.wrong(row, f"{shown_as(lost)} beyond the columns above", f"{len(rows[0].cells) - 1} values")
         found[band] = BandValue(scale(value), row.line)
     return found
 
@@ -111,10 +113,13 @@ def bands_in(grid: Grid, dimension: str, column: str = "") -> dict[float, BandVa
 def _table(grid: Grid) -> tuple[list[list[str]], bool, list[Row]]:
     """What stands above each column of values, from the top; whether bands are in kHz; lines that begin with a band,
     and all that follow."""
-    across = next((i for i, row in enumerate(grid.rows) if _bands(row.cells[1:]) >= 3), None)
+    across = next((i for i in range(len(grid.rows)) if _is_across(grid, i)), None)
     if across is not None:
         return _turned(grid, across)
     first = next((i for i, row in enumerate(grid.rows) if len(row.cells) > 1 and _begins(grid, row)), None)
+    for row in grid.rows[:first]:  # a value that cannot be read would take its band with it
+        if first is not None and len(row.cells) == len(grid.rows[first].cells) and _is_band(row.cells[0]):
+            raise grid.wrong(row, shown_as(", ".join(row.cells[1:])), "a number in every band")
     if first is None:
         line = grid.rows[0].line if grid.rows else 1
         expected = "lines of a band and a value, such as '63;0,52' or '1k, 0.52'"
@@ -125,17 +130,59 @@ def _table(grid: Grid) -> tuple[list[list[str]], bool, list[Row]]:
     return heads, any(_in_kilohertz(cells[0]) for cells in above), list(grid.rows[first:])
 
 
+def _is_across(grid: Grid, at: int) -> bool:
+    """Whether a line has bands beside one another, behind a label or from its first cell on.
+
+    Raises InputErrors where its first cell is neither, and where bands may as well stand below one another.
+    """
+    row = grid.rows[at]
+    try:
+        labelled = band_of(row.cells[0]) is None
+    except InputError as error:
+        if _bands(row.cells[1:]) < 3:
+            return False
+        raise grid.wrong(row, f"{shown_as(row.cells[0])} before bands", f"a label, or {error.expected}") from None
+    if labelled:
+        return _bands(row.cells[1:]) >= 3
+    if _bands(row.cells) < 3:
+        return False
+    down = [row.cells[0], *(one.cells[0] for one in grid.rows[at + 1 :])]
+    if len(down) < 2 or _bands(down) < len(down) or sum("hz" in cell.lower() for cell in row.cells) > 1:
+        return True
+    if any(len(one.cells) == len(row.cells) for one in grid.rows[:at]):
+        return False  # it has heads above
+    got = "bands in the first line and in the first column"
+    raise grid.wrong(row, got, "one of them", "write a word, such as 'Band', before the bands of a line")
+
+
 def _turned(grid: Grid, across: int) -> tuple[list[list[str]], bool, list[Row]]:
     """A table with its bands beside one another, as one with its bands below one another."""
     head, below = grid.rows[across], [row for row in grid.rows[across + 1 :] if len(row.cells) > 1]
     if not below:
         raise grid.wrong(head, "bands beside one another and no values below", "a line of values")
-    short = next((row for row in below if len(row.cells) < len(head.cells)), None)
-    if short is not None:
-        raise grid.wrong(short, f"{len(short.cells) - 1} values", f"one for each of the {len(head.cells) - 1} bands")
+    if _is_band(head.cells[0]):
+        head, below = _labelled(grid, head, below)
+    for row in below:
+        if len(row.cells) < len(head.cells) or any(row.cells[len(head.cells) :]):
+            raise grid.wrong(row, f"{len(row.cells) - 1} values", f"one for each of the {len(head.cells) - 1} bands")
+        lost = next((cell for name, cell in zip(head.cells, row.cells, strict=False) if cell and not name), "")
+        if lost and lost != row.cells[0]:
+            raise grid.wrong(row, f"{shown_as(lost)} below no band", "a band above each value")
     named = [i for i, cell in enumerate(head.cells) if i and cell]
     rows = [Row(below[0].line, [head.cells[i], *(row.cells[i] for row in below)]) for i in named]
     return [[row.cells[0]] for row in below], _in_kilohertz(head.cells[0]), rows
+
+
+def _labelled(grid: Grid, head: Row, below: list[Row]) -> tuple[Row, list[Row]]:
+    """Lines that begin with a band and with its values, with a blank label before each; values may have theirs."""
+    made = []
+    for row in below:
+        words = bool(row.cells[0]) and row.cells[0].lower() not in _BLANK and grid.number(row, row.cells[0]) is None
+        if words and len(row.cells) <= len(head.cells):
+            got = f"{shown_as(row.cells[0])} below the band {head.cells[0]}"
+            raise grid.wrong(row, got, "a value", "write a word, such as 'Band', before the first band")
+        made.append(row if words else Row(row.line, ["", *row.cells]))
+    return Row(head.line, ["", *head.cells]), made
 
 
 def _chosen(grid: Grid, heads: Sequence[Head], column: str, line: int) -> int:
@@ -146,6 +193,11 @@ def _chosen(grid: Grid, heads: Sequence[Head], column: str, line: int) -> int:
         if not fitting:
             error = InputError("", got=f"no column '{column}'", expected=f"one of {some_of(names)}")
             raise wrong_in(grid.path, line, error)
+        if len(fitting) > 1:
+            got = f"{len(fitting)} columns '{column}'"
+            raise wrong_in(
+                grid.path, line, InputError("", got=got, expected="one of that name", do="rename the others")
+            )
         return fitting[0]
     if len(heads) > 1:
         known = some_of([name or f"column {i + 2}" for i, name in enumerate(names)])
@@ -164,6 +216,14 @@ def _begins(grid: Grid, row: Row) -> bool:
         is_band = True  # a number that is no band: a mistake in the table, or a table of something else
     filled = [cell for cell in row.cells[1:] if cell.lower() not in _BLANK]
     return is_band and all(grid.number(row, cell) is not None for cell in filled)
+
+
+def _is_band(cell: str) -> bool:
+    """Whether a cell names a band."""
+    try:
+        return band_of(cell) is not None
+    except InputError:
+        return False
 
 
 def _bands(cells: Sequence[str]) -> int:

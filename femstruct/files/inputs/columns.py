@@ -83,6 +83,8 @@ def read_columns(path: Path, dimensions: Sequence[str], sources: dict[str, str],
         if numbers is None and lines and len(row.cells) == count:
             raise grid.wrong(row, shown_as(", ".join(row.cells)), f"{_COUNTS[count]} numbers")
         if numbers is None and not lines:
+            if len(row.cells) == count and grid.number(row, row.cells[0]) is not None:  # a line of data, no head
+                raise grid.wrong(row, shown_as(", ".join(row.cells)), f"{_COUNTS[count]} numbers")
             head.append(row)
             continue
         scales = scales or _scales(grid, head, dimensions)

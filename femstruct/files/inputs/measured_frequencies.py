@@ -72,6 +72,10 @@ def _columns(grid: Grid, head: Row) -> dict[str, tuple[int, Head]]:
     known = {word: name for name, words in _WORDS.items() for word in words}
     named = [known.get((one.name or one.unit or cell).lower()) for one, cell in zip(heads, head.cells, strict=True)]
     found = {name: (i, heads[i]) for i, name in enumerate(named) if name is not None}
+    twice = next((name for name in found if named.count(name) > 1), None)
+    if twice is not None:
+        same = [cell for cell, name in zip(head.cells, named, strict=True) if name == twice]
+        raise grid.wrong(head, f"columns {', '.join(same)}, all of them a {twice}", "one of each", "rename the others")
     if FREQUENCY not in found:
         raise grid.wrong(head, shown_as(", ".join(head.cells)), _EXPECTED)
     return found

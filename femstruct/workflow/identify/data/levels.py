@@ -85,7 +85,11 @@ def read_levels(path: Path, scatter: float | None, plan: Plan) -> tuple[LevelsDa
     for at, cell in enumerate(head[1:], 1):
         found = _COLUMN.fullmatch(cell.split("[")[0].strip())
         if found is not None and found["place"] in known and (found["case"] or plan.baseline) == plan.baseline:
-            places.setdefault(found["place"], at)
+            if found["place"] in places:
+                raise grid.wrong(
+                    grid.rows[0], f"two columns of {found['place']}", "one", "keep one, or rename the other"
+                )
+            places[found["place"]] = at
     if not places:
         got, expected = f"'{path}' with columns {some_of(head[1:]) or 'without heads'}", f"a column {some_of(known)}"
         do = f"of the case '{plan.baseline}', which is fitted" if any(": " in cell for cell in head) else ""
