@@ -22,6 +22,13 @@ MODES: Final = (
         (Limit(0.05, "of a frequency", "the bound; ribs that turn leave a third of it", _STRIPS, "wide_ribs.NOTABLE"),),
     ),
     Entry(
+        "fewer-modes-than-usual",
+        "A check describes fewer modes than it usually does, because the others did not converge.",
+        LIMITS,
+        "the first 30 modes of a model do not converge, and the first 10 or 3 do",
+        "Nothing, where the modes that are shown are enough. Otherwise look for masses or stiffnesses in a wrong unit.",
+    ),
+    Entry(
         "coarse-mesh",
         "The mesh has too few cells or bars for the waves at the highest frequency.",
         LIMITS,

@@ -38,3 +38,27 @@ def test_a_room_of_a_kind_that_says_other_things_is_shown_by_their_names(capsys:
     assert "room box: one-way coupling; first modes 293.1, 361.7, 465.6 Hz; damping " in capsys.readouterr().out
     show_inspection({**table, "rooms": {"box": {"size_m": [1, 2, 3], "reflections": "none"}}})
     assert "room box: size_m [1, 2, 3]; reflections none" in capsys.readouterr().out
+
+
+def test_modes_beyond_those_of_interest_that_do_not_converge_take_nothing_from_a_check(tmp_path, monkeypatch):
+    """A model file asks for no number of modes: 30 are a habit. Where none converge, that is the answer."""
+    from femstruct.errors import NotConverged
+    from femstruct.workflow.check import inspect
+
+    path = tmp_path / "a.yaml"
+    path.write_text("structure: {type: oscillator, mass: 1 kg, frequency: 5 Hz}\npoints: {m: {}}\n", encoding="utf-8")
+    whole, solve, found = inspect.inspect_file(path), inspect.solve, 10
+
+    def only_some(structure, extent, *others):
+        if extent.count > found:
+            raise NotConverged("modes", got="37 modes to 3e-13", expected="1e-13")
+        return solve(structure, extent, *others)
+
+    monkeypatch.setattr(inspect, "solve", only_some)
+    fewer = inspect.inspect_file(path)
+    (one,) = [one for one in fewer.findings if one.code == "fewer-modes-than-usual"]
+    assert one.message.startswith("30 modes did not converge: 37 modes to 3e-13, expected 1e-13. The first 10 are")
+    assert fewer.table()["first_frequencies_hz"] == whole.table()["first_frequencies_hz"]
+    found = 0
+    with pytest.raises(NotConverged, match="37 modes"):
+        inspect.inspect_file(path)

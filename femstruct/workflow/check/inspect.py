@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from femstruct.assembly.assemble import assemble
-from femstruct.errors import Finding
+from femstruct.errors import Finding, NotConverged
 from femstruct.files.tables.finding_tables import finding_table
 from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import ranked
@@ -21,7 +22,7 @@ from femstruct.model.model import Model
 from femstruct.study.asked import Extent, RoomPlan
 from femstruct.study.machine import BlockMode, Sag
 from femstruct.study.room_surfaces import placed_room
-from femstruct.study.structures import ModesModel
+from femstruct.study.structures import ModesModel, StructureModel
 from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.check.asked_modes import DEFAULT_MODES, damped_as_far_as_solved
 from femstruct.workflow.check.weight import block_modes, weight_findings
@@ -43,6 +44,7 @@ from femstruct.workflow.stages.struck_bodies import spheres_before
 from femstruct.workflow.stages.vibrations import excited
 
 Table = dict[str, Any]
+FEWER: Final = (10, 3)  # modes of a model where as many as usual do not converge
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +121,11 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         title, structure, damping = source.title, case.study.structure, case.study.damping
     study = None if case is None else case.study
     with positioned(source):
-        extent = Extent(count=DEFAULT_MODES) if case is None else case.study.extent
-        solved = solve(structure, extent, () if case is None else case.studies)
+        fewer: tuple[Finding, ...] = ()
+        if case is None:
+            solved, fewer = _first_modes(structure)
+        else:
+            solved = solve(structure, case.study.extent, case.studies)
         vacuo = damped_as_far_as_solved(solved.basis, damping)
         basis = shown_in_air(vacuo, solved)
         progress("judgement")
@@ -140,8 +145,28 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         block_modes=() if model is None else block_modes(model, vacuo),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
-        findings=ranked((*told, *weight_findings(solved.under_weight), *_left_blank(source, basis))),
+        findings=ranked((*fewer, *told, *weight_findings(solved.under_weight), *_left_blank(source, basis))),
     )
+
+
+def _first_modes(structure: StructureModel) -> tuple[Solved, tuple[Finding, ...]]:
+    """The modes of a model that nobody has asked for a number of: fewer, with a finding, where as many are not found.
+
+    Raises NotConverged, as of the first try, where not even the fewest are found.
+    """
+    try:
+        return solve(structure, Extent(count=DEFAULT_MODES)), ()
+    except NotConverged as error:
+        for count in FEWER:
+            with suppress(NotConverged):
+                solved = solve(structure, Extent(count=count))
+                message = (
+                    f"{DEFAULT_MODES} modes did not converge: {error.got}, expected {error.expected}. The first "
+                    f"{count} are described; further ones are not to be had"
+                )
+                values = {"wanted": float(DEFAULT_MODES), "described": float(count)}
+                return solved, (Finding("fewer-modes-than-usual", message, values),)
+        raise
 
 
 def _left_blank(source: ModelFile | Plan, basis: ModalBasis) -> tuple[Finding, ...]:
