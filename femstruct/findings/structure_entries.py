@@ -245,7 +245,7 @@ STRUCTURE: Final = (
     ),
     Entry(
         "stiff-layer",
-        "The layer is so stiff in shear that two plates are too stiff in bending together.",
+        "The layer is so stiff in shear that the plates that it touches are too stiff in bending.",
         LIMITS,
         "a frequency is too high by more than the threshold, because the plates are rigid in their own planes",
         "Use 'in_plane: elastic' and the element bfs16.",

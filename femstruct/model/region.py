@@ -11,6 +11,7 @@ Vector = tuple[float, float, float]
 Pair = tuple[float, float]
 Side = Literal["above", "below"]
 Facing = Literal["above", "below", "x", "-x", "y", "-y"]  # also of what stands upright: along global axes
+Touched = Facing | Literal["middle"]  # where a foundation acts: on a face, or at the mid-surface
 
 
 @dataclass(frozen=True)

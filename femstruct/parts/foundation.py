@@ -23,7 +23,7 @@ from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 from femstruct.model.part import Part
-from femstruct.model.region import Region
+from femstruct.model.region import Region, Touched
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import bodies_of
 from femstruct.parts.plate import Plate
@@ -39,7 +39,8 @@ class Foundation(Part):
 
     to : the other part, None for the ground. Between two parts it fills the gap between their facing sides, which are
     parallel; its shear acts in the middle of the gap, through arms of the thickness of both, so that a rigid motion of
-    both strains nothing. To the ground it acts on the mid-surface of a plate or slab, on the lower face of a block.
+    both strains nothing. To the ground it acts on the face that it touches, with half the thickness of a plate or slab
+    as the arm of its shear: the lower face, or that of a plate or slab on `side`; "middle" leaves the arm out.
     region : of `on`; the whole is all that faces the other part, openings of slabs left out.
     normal, shear : stiffness per area [N/m^3] of a whole or rectangle region, per length [N/m^2] of a rim or line.
     like : the entry of the library that it was taken from, with its source.
@@ -62,6 +63,7 @@ class Foundation(Part):
     loss_factor: Loss = 0.0
     to: str | None = None
     like: str = ""
+    side: Touched = "below"
 
     @property
     def ends(self) -> tuple[str, ...]:
@@ -70,10 +72,11 @@ class Foundation(Part):
 
     def described(self) -> tuple[Given, ...]:
         unit = "N/m^3" if self.region.kind in ("whole", "rectangle") else "N/m^2"
-        return given(self, {"normal": unit, "shear": unit})
+        told = given(self, {"normal": unit, "shear": unit})
+        return tuple(one for one in told if self.to is None or one.what != "side")
 
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
-        return "layer", self.on, self.to, self.region, self.normal, self.shear
+        return "layer", self.on, self.to, self.region, self.normal, self.shear, self.side
 
     def bears(self) -> tuple[str, ...]:
         return self.ends
@@ -86,16 +89,24 @@ class Foundation(Part):
                 for corner in to_rectangle(rectangle, layout.axes_of[name], layer.corners):
                     layout.on_rectangle(name, np.clip(corner[:2], 0.0, rectangle.size))
         plates = [plate for name in self.ends if isinstance(plate := layout.rectangles.get(name), Plate)]
-        if len(plates) == 2 and glue_ratio(layer, self.shear, *plates) > (1.0 + NOTABLE) ** 2:
+        if len(plates) == len(self.ends) and glue_ratio(layer, self.spread_shear(layer), *plates) > (1 + NOTABLE) ** 2:
             layout.pulled |= {plate.name for plate in plates}
         if self.shear > 0.0 and any(name in layout.given for name in self.ends):  # a slab stretches: so does the plate
             layout.pulled |= {plate.name for plate in plates}
+
+    def spread_shear(self, layer: Layer) -> float:
+        """Its stiffness in shear per area [N/m^3]; per length it is spread over what a rim encloses, and over as much
+        beside a line as this is long."""
+        x, y = layer.box[1] - layer.box[0], layer.box[3] - layer.box[2]
+        if self.region.kind == "rim":
+            return self.shear * 2.0 * (x + y) / (x * y)
+        return self.shear / max(x, y) if self.region.kind == "line" else self.shear
 
     def fastened(self, model: Model, tolerance: float) -> tuple[Elastic]:
         """A Winkler foundation at Gauss points: along its normal, and along both directions in its plane in shear.
 
         Between two parts it resists the motion of the first less that of the second, both carried to the middle of
-        the gap.
+        the gap; to the ground that of the face.
         """
         if not (self.normal >= 0 and self.shear >= 0 and self.normal + self.shear > 0):
             got = f"{self.normal:g}, {self.shear:g}"
@@ -138,24 +149,26 @@ class Foundation(Part):
         )
 
 
-def glue_ratio(layer: Layer, shear: float, first: Plate, second: Plate) -> float:
-    """Bending stiffness of two plates and a layer of a shear per area [N/m^3] if they cannot stretch in their planes,
-    over that if they can.
+def glue_ratio(layer: Layer, shear: float, first: Plate, second: Plate | None = None) -> float:
+    """Bending stiffness of two plates, or of one on the ground, and a layer of a shear per area [N/m^3] if they cannot
+    stretch in their planes, over that if they can.
 
     Notes
     -----
     The layer makes them one section, as far as it does not shear. Per width and for one half wave over the longer side
     its shear k_s makes S = k_s (L / pi)^2, in series with E h of both plates: D1 + D2 + e^2 S where they are rigid, and
-    D1 + D2 + e^2 / (1 / S + 1 / E1 h1 + 1 / E2 h2).
+    D1 + D2 + e^2 / (1 / S + 1 / E1 h1 + 1 / E2 h2). On the ground e is half the thickness.
     """
     if shear <= 0.0:
         return 1.0
-    apart = float(abs((np.asarray(second.origin) - np.asarray(first.origin)) @ layer.axes[2]))
+    plates = (first,) if second is None else (first, second)
+    to = layer.origin if second is None else np.asarray(second.origin)
+    apart = float(abs((to - np.asarray(first.origin)) @ layer.axes[2]))
     length = max(layer.box[1] - layer.box[0], layer.box[3] - layer.box[2])
     along_y = layer.box[3] - layer.box[2] > layer.box[1] - layer.box[0]
-    alone = sum(float(one.section.bending[int(along_y), int(along_y)]) for one in (first, second))
+    alone = sum(float(one.section.bending[int(along_y), int(along_y)]) for one in plates)
     slide = 1.0 / (shear * (length / np.pi) ** 2)
-    stretch = sum(1.0 / one.section.stretching(np.pi / 2.0 if along_y else 0.0) for one in (first, second))
+    stretch = sum(1.0 / one.section.stretching(np.pi / 2.0 if along_y else 0.0) for one in plates)
     return float((alone + apart**2 / slide) / (alone + apart**2 / (slide + stretch)))
 
 

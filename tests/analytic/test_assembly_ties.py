@@ -176,7 +176,7 @@ def test_a_rigid_arm_shortens_a_cantilever() -> None:
 def test_heave_sway_and_yaw_of_a_rigid_slab_on_its_rim() -> None:
     stiff = Material("stiff", 1e14, 0.3, 2400.0)
     slab = Plate("slab", stiff, 0.03, (0.0, 0.0, 0.0), (0.6, 0.5), 0.2)
-    foam = Foundation("foam", "slab", Region("rim", (0.5, 0.4)), 2e5, 7e4)
+    foam = Foundation("foam", "slab", Region("rim", (0.5, 0.4)), 2e5, 7e4, side="middle")
     found = lowest(Structure("slab", (slab, foam)), 6)
     mass, length = 2400 * 0.03 * 0.6 * 0.5, 1.8
     heave, sway = (np.sqrt(k * length / mass) / (2 * np.pi) for k in (2e5, 7e4))
@@ -190,6 +190,13 @@ def test_heave_sway_and_yaw_of_a_rigid_slab_on_its_rim() -> None:
     expected = np.sort([heave, sway, sway, *rock, yaw])
     # The slab bends: its own modes lie 300 times higher, which leaves 1e-5.
     assert found == pytest.approx(expected, rel=2e-5)
+    # On the lower face the shear has an arm of 15 mm: sway and rock of each direction are coupled.
+    pairs = []
+    for moment, side in ((along_x, 0.6), (along_y, 0.5)):
+        K = [[7e4 * length, -7e4 * length * 0.015], [-7e4 * length * 0.015, 2e5 * moment + 7e4 * length * 0.015**2]]
+        pairs.append(np.sqrt(eigh(K, np.diag([mass, mass * side**2 / 12]), eigvals_only=True)) / (2 * np.pi))
+    found = lowest(Structure("slab", (slab, replace(foam, side="below"))), 6)
+    assert found == pytest.approx(np.sort([heave, yaw, *np.concatenate(pairs)]), rel=2e-5)  # as above
 
 
 @pytest.mark.parametrize(

@@ -126,3 +126,91 @@ def test_a_named_region_off_the_slab_is_refused(name):
     region, message = WRONG[name]
     with pytest.raises(InputError, match=r"parts\.wool\.region: .*" + message):
         mesh_structure(Structure("wrong", (FLOOR, COVER, replace(WOOL, region=region))))
+
+
+SIZE = (2.0, 1.4)
+STIFF = Material("stiff", 30e13, 0.2, 2400.0)
+FOOT = (0.7, 0.4)  # of a rectangle, and of a rim
+WALL = Plate("s", STIFF, 0.06, (0, 0, 0), SIZE, (5, 4), normal=(0, 1, 0), x_direction=(1, 0, 0), in_plane="elastic")
+MIDDLE = PlaceOn("middle", "s", ((1.0, 0.7),))
+REGIONS = {
+    "whole": (WHOLE, 2.8, 2.8 * 4.0 / 12),
+    "rectangle": (Region("rectangle", FOOT), 0.28, 0.28 * 0.49 / 12),
+    "rim": (Region("rim", FOOT), 2.2, 2 * 0.7**3 / 12 + 2 * 0.4 * 0.35**2),
+}  # fmt: skip
+STANDING = {
+    "slab": (Slab("s", STIFF, 0.06, ((0, 0), (2.0, 0), SIZE, (0, 1.4)), 0.5), "below", 0.03),
+    "slab, raised": (Slab("s", STIFF, 0.06, ((0, 0), (2.0, 0), SIZE, (0, 1.4)), 0.5, offset=0.05), "below", -0.02),
+    "slab, from above": (
+        Slab("s", STIFF, 0.06, ((0, 0), (2.0, 0), SIZE, (0, 1.4)), 0.5, offset=0.05), "above", -0.08,
+    ),
+    "slab, upside down": (
+        Slab("s", STIFF, 0.06, ((0, 0), (2.0, 0), SIZE, (0, 1.4)), 0.5, normal=(0, 0, -1), x_direction=(1, 0, 0)),
+        "below", 0.03,
+    ),
+    "plate": (Plate("s", STIFF, 0.06, (0, 0, 0), SIZE, (5, 4), in_plane="elastic"), "below", 0.03),
+    "rigid plate": (Plate("s", STIFF, 0.06, (0, 0, 0), SIZE, (5, 4), element="hermite12"), "below", 0.03),
+    "middle": (Plate("s", STIFF, 0.06, (0, 0, 0), SIZE, (5, 4), in_plane="elastic"), "middle", 0.0),
+    "wall": (
+        WALL, "-y", 0.03,
+    ),
+    "other side of a wall": (
+        WALL, "y", -0.03,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("region", REGIONS)
+@pytest.mark.parametrize("case", STANDING)
+def test_shear_to_the_ground_tilts_what_stands_on_it(case, region):
+    """A force in the plane through its own plane: it slides, and turns by the couple F h about the face; h is the arm
+    from the place of the force to the face that is named, along the normal."""
+    part, side, arm = STANDING[case]
+    where, amount, second = REGIONS[region]
+    mat = Foundation("mat", "s", where, 2e7, 5e6, side=side)
+    model = mesh_structure(Structure("on a mat", (part, mat), points=(MIDDLE,)))
+    assembly = assemble(model)
+    normal = np.asarray(part.normal, dtype=float)
+    if side == "below" and normal[2] < 0:
+        normal = -normal
+    probes = {d: model.points["middle"].probe(d) for d in ("x", "y", "z", "rx", "ry", "rz")}
+    pushed = {d: (one.row(len(assembly.points)) @ assembly.dofs.T).toarray()[0] for d, one in probes.items()}
+    u = spsolve(assembly.K, 1e4 * pushed["x"])
+    tilt = 1e4 * arm / (2e7 * second)
+    turned = np.array([pushed[d] @ u for d in ("rx", "ry", "rz")])
+    # the face lies at -arm along the normal: it slides by F / k, and turns about n x x
+    axis = np.cross(normal, np.array([1.0, 0.0, 0.0]))
+    assert turned == pytest.approx(tilt * axis, abs=2e-3 * 1e4 * 0.03 / (2e7 * second))  # it bends a little
+    assert pushed["x"] @ u == pytest.approx(1e4 / (5e6 * amount) + tilt * arm, rel=1e-3)  # it bends and stretches
+    assert assembly.forces["ground"].stiffness @ u == pytest.approx(
+        [1e4, 0.0, 0.0], abs=0.02
+    )  # rounding: it is 1e6 times as stiff
+
+
+def test_the_ground_below_a_slab_is_a_block_that_is_held():
+    """A soft slab, bent by its mat: the same layer between it and a block that touches it and is held."""
+    slab = Slab("s", CONCRETE, 0.06, ((0, 0), (2.0, 0), SIZE, (0, 1.4)), 0.25, offset=0.02)
+    block = Block("b", 100.0, (-0.5, -0.5, -1.01), (3.0, 2.4, 1.0))
+    foot = PlaceOn("foot", "b", ((1.5, 1.2, 0.0),))
+    held = Support("held", "clamped", at="foot")
+    found = []
+    for parts, more in (
+        ((slab, Foundation("mat", "s", WHOLE, 2e7, 5e6)), {"points": ()}),
+        ((slab, block, Foundation("mat", "s", WHOLE, 2e7, 5e6, to="b")), {"points": (foot,), "supports": (held,)}),
+    ):
+        basis = modal_basis(assemble(mesh_structure(Structure("mat", parts, **more))), up_to=250.0)
+        found.append(basis.frequency_hz[basis.modes])
+    assert len(found[0]) > 8
+    assert found[0] == pytest.approx(found[1], rel=1e-8)  # the eigensolver's 1e-9
+
+
+def test_a_thin_plate_on_a_mat_of_much_shear_stretches_and_its_side_is_one_it_faces():
+    plate = Plate("s", CONCRETE, 0.2, (0, 0, 0), SIZE, (5, 4))
+    for shear, stretches in ((1e6, False), (5e10, True)):
+        mat = Foundation("mat", "s", WHOLE, 2e7, shear)
+        assert mesh_structure(Structure("mat", (plate, mat))).parts["s"].stretches == stretches
+    with pytest.raises(InputError, match=r"parts\.mat\.side: got 'x', which s does not face"):
+        mesh_structure(Structure("mat", (plate, Foundation("mat", "s", WHOLE, 2e7, 5e6, side="x"))))
+    block = Block("s", 100.0, (0, 0, 0), (1.0, 1.0, 1.0))
+    with pytest.raises(InputError, match=r"parts\.mat\.side: got 'above' of a block"):
+        mesh_structure(Structure("mat", (block, Foundation("mat", "s", WHOLE, 2e7, 5e6, side="above"))))

@@ -142,6 +142,7 @@ MADE = {
     "Model",
     "Placed",
     "PlateSection",
+    "SectionShare",
     "Probe",
     "Reduced",
     "Response",

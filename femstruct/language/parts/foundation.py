@@ -13,6 +13,7 @@ from femstruct.language.parts.part import PartSpec
 from femstruct.language.yaml import Here, Measured, Quantity, Refers, Spec, Text
 from femstruct.model.library.all_entries import library
 from femstruct.model.library.library_entry import Use
+from femstruct.model.region import Touched
 from femstruct.parts.foundation import Foundation
 
 Spread = Annotated[Measured, Quantity(("stiffness/area", "stiffness/length"), least=0.0, which=True)]
@@ -29,7 +30,11 @@ class SpreadSpec(Spec):
 
 class FoundationSpec(PartSpec):
     """A Winkler foundation: of a plate, slab or block to the ground, or between the facing sides of two of them. like:
-    a resilient layer of the library, by its stiffness per area."""
+    a resilient layer of the library, by its stiffness per area.
+
+    It acts on the faces that it touches, its shear with the arms of them. On the ground that is the lower face, along
+    lines and rims, too; side: above for that of a plate or slab, x, -x, y or -y for the side of a wall that faces
+    there, middle for the mid-surface, where its shear has no arm."""
 
     one_of = (("on", "between"), ("stiffness", "like"))
 
@@ -37,6 +42,7 @@ class FoundationSpec(PartSpec):
     type: Literal["foundation"]
     on: Solid | None = None
     between: tuple[Solid, Solid] | None = Field(default=None, description="two parts whose facing sides it joins")
+    side: Touched = "below"
     region: Region = RegionSpec()
     stiffness: SpreadSpec | None = None
     like: Annotated[Text | None, entry_for(Use.LAYER, "a resilient layer of the library", "layer")] = None
@@ -45,6 +51,8 @@ class FoundationSpec(PartSpec):
     def check(self, here: Here) -> None:
         on, to = self.between or (self.on, None)
         here.at("between").need(on != to, f"'{on}' twice", "two different parts")
+        between = self.between is not None and "side" in self.model_fields_set
+        here.at("side").need(not between, "a side beside 'between'", "none: it joins the sides that face each other")
         along, there = self.region.is_line, here.at("stiffness")
         if self.stiffness is None:
             got = f"{self.like}, whose stiffness is per area, on a rim or a line"

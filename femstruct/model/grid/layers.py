@@ -12,13 +12,14 @@ from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import InputError, some_of
 from femstruct.model.grid.geometry import PARALLEL
 from femstruct.model.grid.regions import Box, region_box
+from femstruct.model.imported.facing import faces_towards, outwards
 from femstruct.model.part import Body
-from femstruct.model.region import Region
+from femstruct.model.region import Region, Touched
 
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """The plane in the middle of a layer, and the part of it that is filled.
+    """The plane that a layer acts in, the part of it that is filled: its middle, or the face that is on the ground.
 
     origin [3] : global place of the coordinates (0, 0) [m]. axes [3, 3] : rows are its two directions and its
     normal, all axes of the first part. box : x0, x1, y0, y1 of the region along them [m].
@@ -53,6 +54,8 @@ class Filling(Protocol):
     def to(self) -> str | None: ...
     @property
     def region(self) -> Region: ...
+    @property
+    def side(self) -> Touched: ...
 
 
 def layer_of(part: Filling, bodies: Mapping[str, Body], tolerance: float) -> Layer:
@@ -71,12 +74,27 @@ def layer_of(part: Filling, bodies: Mapping[str, Body], tolerance: float) -> Lay
     if part.to is None:
         size = (float(body.size[0]), float(body.size[1]))
         box = region_box(f"{where}.region", part.on, size, part.region, tolerance)
-        # A block stands on its lower face; a plate is held at its mid-surface.
-        base = body.corner if body.across is None else body.corner + body.size[body.across] / 2 * body.axes[body.across]
-        return Layer(base, body.axes, box)
+        return Layer(_on_ground(f"{where}.side", part, body), body.axes, box)
     if part.on == part.to:
         raise InputError(f"{where}.between", got=f"'{part.on}' twice", expected="two parts")
     return _between(part, (part.on, body), (part.to, bodies[part.to]), tolerance)
+
+
+def _on_ground(where: str, part: Filling, body: Body) -> Floats:
+    """The corner [3] of the face that the ground is on: the lower one, or that of a plate or slab which is named; or of
+    the middle between its faces."""
+    if body.across is None:
+        if part.side != "below":
+            raise InputError(where, got=f"'{part.side}' of a block", expected="below: it stands on its lower face")
+        return body.corner
+    normal = body.axes[body.across]
+    if part.side == "middle":
+        return np.asarray(body.corner + body.size[body.across] / 2.0 * normal)
+    if not faces_towards(normal, part.side):
+        got, expected = f"'{part.side}', which {part.on} does not face", "a side within 45 degrees of that"
+        raise InputError(where, got=got, expected=expected)
+    reached = float(body.size[body.across]) if outwards(normal, part.side) @ normal > 0.0 else 0.0
+    return np.asarray(body.corner + reached * normal)
 
 
 def _between(part: Filling, one: tuple[str, Body], other: tuple[str, Body], tolerance: float) -> Layer:

@@ -77,8 +77,8 @@ def eccentric_findings(model: Model) -> tuple[Finding, ...]:
     told = [_told(error) for error in worst.values() if error.excess > NOTABLE]
     plates = {name: plate.part for name, plate in rigid_plates(model).items()}
     for part in model.structure.parts:
-        if isinstance(part, Foundation) and {part.on, part.to} <= plates.keys():
-            told += _layer(part, plates[part.on], plates[str(part.to)])
+        if isinstance(part, Foundation) and set(part.ends) <= plates.keys():
+            told += _layer(part, *(plates[name] for name in part.ends))
     return tuple(told)
 
 
@@ -138,19 +138,22 @@ def _slip(plate: PlateMesh, line: RibLine) -> float:
     return 0.0
 
 
-def _layer(part: Foundation, first: Plate, second: Plate) -> list[Finding]:
-    """A layer so stiff in shear that two plates would stretch before it yields: they act as one section."""
-    bodies = {one.name: one.body() for one in (first, second)}
-    ratio = glue_ratio(layer_of(part, bodies, 1e-9 * max(*first.size, *second.size)), part.shear, first, second)
+def _layer(part: Foundation, *plates: Plate) -> list[Finding]:
+    """A layer so stiff in shear that plates would stretch before it yields: two act as one section, and one is held by
+    its face."""
+    bodies = {one.name: one.body() for one in plates}
+    layer = layer_of(part, bodies, 1e-9 * max(side for one in plates for side in one.size))
+    ratio = glue_ratio(layer, part.spread_shear(layer), *plates)
     excess = float(np.sqrt(ratio) - 1.0)
     if excess <= NOTABLE:
         return []
+    both = len(plates) > 1
+    plane = "in their planes, but they are rigid there" if both else "in its plane, but it is rigid there"
     return [
         Finding(
             "stiff-layer",
-            f"{part.name} is so stiff in shear that {first.name} and {second.name} would stretch in their planes, but "
-            f"they are rigid there. Together they are {ratio:.3g} times too stiff in bending: frequencies up to "
-            f"{percent(excess)} too high",
+            f"{part.name} is so stiff in shear that {' and '.join(bodies)} would stretch {plane}: {ratio:.3g} times "
+            f"too stiff in bending, frequencies up to {percent(excess)} too high",
             {"bending_ratio": ratio, "frequency_excess": excess},
             severe=excess > SEVERE,
         )
