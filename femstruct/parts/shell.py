@@ -84,6 +84,17 @@ class Shell(MeshPart):
         written = {Makes.OFFSET: self.offset, Makes.THICKNESS: self.thickness}
         return super().stands_for() | {makes for makes, value in written.items() if value is not None}
 
+    def written_thickness(self) -> tuple[float, ...]:
+        if isinstance(self.material, LayUp):
+            return (self.material.thickness,)
+        return (
+            tuple(self.thickness.values())
+            if isinstance(self.thickness, Mapping)
+            else ()
+            if self.thickness is None
+            else (self.thickness,)
+        )
+
     @property
     def x_direction(self) -> Floats | None:
         """Direction [3] of the material's x; None where it has none."""

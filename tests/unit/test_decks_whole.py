@@ -141,6 +141,9 @@ def test_what_the_model_states_in_place_of_the_file_is_a_remark(tmp_path: Path) 
     mesh = mesh_of(tmp_path, FORBIDS["offset"][0])
     (one,) = [one for one in told(mesh, offset=0.002) if one.code == "mesh-stated-otherwise"]
     assert one.message.endswith("which holds: OFFSET of *SHELL SECTION (line 30) of 4 cells")
+    (one,) = [one for one in told(mesh_of(tmp_path, inp()), thickness=0.02) if one.code == "mesh-stated-otherwise"]
+    assert one.message.endswith("which holds: thickness 10 mm of 4 cells of SKIN, 20 mm of skin")
+    assert not [one for one in told(mesh_of(tmp_path, inp()), thickness=0.01) if one.code == "mesh-stated-otherwise"]
     light = fs.Material("alu", E=70e9, nu=0.33, rho=2700.0)
     (one,) = [one for one in told(mesh_of(tmp_path, inp()), material=light) if one.code == "mesh-stated-otherwise"]
     assert "E 2.1e+11 Pa of STEEL, 7e+10 Pa of skin; rho 7850 kg/m^3 of STEEL, 2700 kg/m^3 of skin" in one.message
@@ -224,9 +227,12 @@ def test_no_field_is_passed_over(card: str, tmp_path: Path) -> None:
     assert card in lists or f"field 61 of {card}" in named, named
 
 
-def test_parameters_are_known_or_named(tmp_path: Path) -> None:
-    mesh = mesh_of(tmp_path, bulk(more="PARAM,POST,-1\nPARAM,COUPMASS,1\nPARAM,CK2,2.\nPARAM,XYZZY,1"))
+def test_parameters_and_commands_are_known_or_named(tmp_path: Path) -> None:
+    more = "DISPLACEMENT(PLOT) = ALL\nMETHOD = 1\nABRACADABRA = 3"
+    mesh = mesh_of(tmp_path, bulk(control=more, more="PARAM,POST,-1\nPARAM,COUPMASS,1\nPARAM,CK2,2.\nPARAM,XYZZY,1"))
     found = {one.what: one.makes for one in mesh.stated.left_out}
+    assert found["METHOD of the case control"] is Makes.NOTHING is found["DISPLACEMENT of the case control"]
+    assert found["ABRACADABRA of the case control"] is Makes.SLIGHT
     assert found["PARAM"] is Makes.NOTHING and found["PARAM, COUPMASS"] is Makes.SLIGHT
     assert found["PARAM, CK2"] is Makes.SECTION and found["PARAM, XYZZY"] is Makes.SLIGHT
 

@@ -17,7 +17,7 @@ import numpy as np
 from femstruct.arrays import Integers
 from femstruct.errors import Finding, some_of
 from femstruct.model.imported.attached import TAKEN, same_file
-from femstruct.model.imported.imported_mesh import ImportedMesh, Stated, StatedMaterial
+from femstruct.model.imported.imported_mesh import ImportedMesh, Stated, StatedMaterial, StatedProperty
 from femstruct.model.imported.stated.left_out import HARMLESS, LeftOut, Makes
 from femstruct.model.material import Material
 from femstruct.model.part import Part
@@ -172,15 +172,21 @@ def _has_no_direction(one: LeftOut, part: Part) -> bool:
     return one.makes is Makes.ORIENTATION and all(isinstance(some, Material) for some in part.materials())
 
 
-def _materials_of(user: _User, stated: Stated) -> dict[str, int]:
-    """Materials that a file states for cells of a part, with their numbers."""
-    found: dict[str, int] = {}
+def _properties_of(user: _User, stated: Stated) -> Iterator[tuple[StatedProperty, int]]:
+    """What a file states of cells of a part, with their number."""
     numbers = user.numbers
     for one in stated.properties:
         own = user.mesh.cell_sets.get(one.cells, {})
         of = [user.mesh.cell_numbers[kind][rows] for kind, rows in own.items()]
-        count = int(np.isin(numbers, np.concatenate([np.zeros(0, np.int64), *of])).sum())
-        if count and one.material:
+        if count := int(np.isin(numbers, np.concatenate([np.zeros(0, np.int64), *of])).sum()):
+            yield one, count
+
+
+def _materials_of(user: _User, stated: Stated) -> dict[str, int]:
+    """Materials that a file states for cells of a part, with the number of these."""
+    found: dict[str, int] = {}
+    for one, count in _properties_of(user, stated):
+        if one.material:
             found[one.material] = found.get(one.material, 0) + count
     return found
 
@@ -209,9 +215,9 @@ def _other_numbers(users: list[_User]) -> Iterator[str]:
     for user in users:
         stated = user.mesh.stated
         named = _materials_of(user, stated)
-        mine = user.part.materials()
         units = _CONSISTENT.get(user.mesh.scale)
-        own = mine[0] if len(mine) == 1 else None
+        made_of = user.part.materials()
+        own = made_of[0] if len(made_of) == 1 else None
         if len(named) == 1 and units is not None and isinstance(own, Material):
             (name,) = named
             material = next((one for one in stated.materials if one.name.upper() == name.upper()), None)
@@ -219,6 +225,12 @@ def _other_numbers(users: list[_User]) -> Iterator[str]:
                 theirs = unit * (material.constants.get(key, 0.0) if material is not None else 0.0)
                 if theirs and abs(theirs - ours) > DIFFERS * ours:
                     yield f"{key} {theirs:.4g} {word} of {name}, {ours:.4g} {word} of {user.part.name}"
+        written = user.part.written_thickness()
+        for one, count in _properties_of(user, stated) if written else ():
+            t = one.thickness
+            if t and all(abs(t - mine) > DIFFERS * mine for mine in written):
+                shown = ", ".join(f"{1e3 * mine:.4g}" for mine in written)
+                yield f"thickness {1e3 * t:.4g} mm of {count} cells of {one.cells}, {shown} mm of {user.part.name}"
 
 
 def _cut(mesh: ImportedMesh, names: list[str]) -> Iterator[Finding]:

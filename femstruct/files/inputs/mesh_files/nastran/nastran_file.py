@@ -23,6 +23,8 @@ from femstruct.files.inputs.mesh_files.nastran.nastran_words import (
     COMMANDS,
     FIELDS_WITHOUT_EFFECT,
     LEFT_OUT,
+    OUTPUT,
+    READ_COMMANDS,
     WITHOUT_EFFECT,
 )
 from femstruct.files.inputs.mesh_files.text_lines import lines_of
@@ -81,8 +83,11 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
     control = case_control(lines)
     bulk.sets, bulk.chosen = control.sets, control.chosen
     for word, number in control.commands.items():
-        if word in COMMANDS:
-            bulk.left_out.add(f"{word} of the case control", *COMMANDS[word], number)
+        makes, changes = COMMANDS.get(word, (Makes.NOTHING, "control of the solution and its output"))
+        if word not in COMMANDS and word[:4] not in OUTPUT:
+            makes, changes = Makes.SLIGHT, "a command that is not known here"
+        if word not in READ_COMMANDS:
+            bulk.left_out.add(f"{word} of the case control", makes, changes, number)
     bulk.of_grids = next((card for card in cards if card.name == "GRDSET"), None)
     for card in cards:
         _take(card, bulk, control)
@@ -148,7 +153,7 @@ def _stated(bulk: Bulk) -> Stated:
     used = of_cards if not used and len(of_cards) == 1 else used
     return Stated(
         tuple(one for number, one in properties if number in bulk.by_property),
-        tuple(bulk.materials),
+        tuple(_weighed(one, factor) for one in bulk.materials),
         tuple(
             replace(one, mass=factor * one.mass, inertia=tuple(factor * value for value in one.inertia))
             for one in bulk.masses
@@ -163,6 +168,12 @@ def _stated(bulk: Bulk) -> Stated:
         open_end=bulk.open_end,
         active=tuple(_support(number) for number in (*sorted(used), OF_GRID)) if used else (),
     )
+
+
+def _weighed(material: StatedMaterial, factor: float) -> StatedMaterial:
+    """A material with the factor of all masses in its density."""
+    rho = material.constants.get("rho")
+    return material if rho is None else replace(material, constants={**material.constants, "rho": factor * rho})
 
 
 def _name(shell: Shelled) -> str:
