@@ -241,7 +241,7 @@ def test_supports_that_are_not_read_are_the_reason_why_there_are_none(tmp_path: 
     text = inp(more="*NSET, NSET=E\n1, 2\n*TRANSFORM, NSET=E\n1, 1, 0, -1, 1, 0\n*BOUNDARY\nE, 1, 2")
     mesh = mesh_of(tmp_path, text)
     with pytest.raises(
-        InputError, match=r"got supports, which a\.inp states only as 1 \*BOUNDARY in directions of \*TR"
+        InputError, match=r"got supports, which a\.inp states only as 2 held nodes in directions of \*TR"
     ):
         fs.Attachments("rest", mesh, ("supports",))
 
@@ -269,3 +269,54 @@ def test_included_files_and_general_supports_of_nastran(tmp_path: Path) -> None:
         mesh_of(tmp_path, f"{head}BEGIN BULK\nINCLUDE 'inner.dat'\nENDDATA\n")
     with pytest.raises(InputError, match=r"a\.bdf:4:1: got"):
         mesh_of(tmp_path, f"{head}BEGIN BULK\nINCLUDE 'none.dat'\nENDDATA\n")
+
+
+SYSTEMS = """CORD2R,5,,1.,0.,0.,1.,0.,1.,+
++,1.,1.,0.
+CORD2C,6,5,0.,0.,0.,0.,0.,1.,+
++,1.,0.,0.
+CORD2S,7,,0.,0.,0.,0.,0.,1.,+
++,1.,0.,0.
+CORD1R,8,1,3,7
+GRID,21,6,.5,90.,.2
+GRID,22,7,2.,90.,90.
+GRID,23,8,1.,2.,3.
+"""
+
+
+def test_nodes_in_coordinate_systems_are_where_they_are(tmp_path: Path) -> None:
+    """By hand: system 5 stands at (1, 0, 0) with its x along y; 6 is cylindrical in it; 7 is spherical; the z of 8 is
+    along x, its x along y, so that its y is along z."""
+    mesh = mesh_of(tmp_path, bulk(more=SYSTEMS.rstrip()))
+    at = dict(zip(mesh.numbers.tolist(), mesh.points.tolist(), strict=True))
+    assert at[21] == pytest.approx((0.5, 0.0, 0.2), abs=1e-15)  # rounding
+    assert at[22] == pytest.approx((0.0, 2.0, 0.0), abs=1e-15)  # rounding
+    assert at[23] == pytest.approx((3.0, 1.0, 2.0), abs=1e-15)  # rounding
+
+
+def test_supports_in_other_directions_are_named_and_those_in_all_are_held(tmp_path: Path) -> None:
+    """Node 23 moves along system 6, node 24 along one that is parallel to the basic one."""
+    parallel = "GRID,24,,0.,0.,5.,9\nCORD2R,9,,0.,0.,7.,0.,0.,8.,+\n+,1.,0.,7.\n"
+    more = SYSTEMS.replace("GRID,23,8,1.,2.,3.", "GRID,23,8,1.,2.,3.,6") + parallel
+    mesh = mesh_of(tmp_path, bulk(more=more + "SPC1,1,123,23\nSPC1,2,1,23,24\nSPC1,3,4,23"))
+    held = {one.name: (mesh.numbers[one.nodes].tolist(), one.held) for one in mesh.stated.holds}
+    assert held == {"SPC 1": ([23], (0, 1, 2)), "SPC 2": ([24], (0,))}
+    (left,) = [one for one in mesh.stated.left_out if one.makes is Makes.SUPPORTS]
+    assert left.named == "1 held nodes in directions of CD of GRID (line 29)"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("CORD2C,6,5", "CORD2C,6,6", "got CORD2C with the coordinate system 6, which is defined by itself"),
+        ("+,1.,1.,0.", "+,1.,0.,9.", "got CORD2R with three points on a line, expected three that span its plane"),
+        ("CORD1R,8,1,3,7", "CORD1R,8,1,3,77", "got CORD1R with node 77, which the file does not have"),
+        ("CORD2S,7", "CORD2S,5", "got CORD2S with the number 5 again, expected systems whose numbers differ"),
+        ("GRID,22,7", "GRID,22,4", "got GRID with the coordinate system 4, which the file does not have"),
+    ],
+)
+def test_systems_that_cannot_be_are_refused_with_their_line(old: str, new: str, told: str, tmp_path: Path) -> None:
+    assert old in SYSTEMS
+    with pytest.raises(InputError) as caught:
+        mesh_of(tmp_path, bulk(more=SYSTEMS.rstrip().replace(old, new)))
+    assert told in str(caught.value) and "a.bdf:2" in str(caught.value)

@@ -155,7 +155,7 @@ def _keywords(path: Path, data: bytes, depth: int) -> list[Keyword]:
     found: list[Keyword] = []
     pending = ""
     for number, line in enumerate(lines_of(path, data), 1):
-        if line.startswith("**") or not line.strip():
+        if line.lstrip().startswith("**") or not line.strip():
             continue
         text = pending + line.strip()
         pending = text if line.startswith("*") and text.endswith(",") else ""
@@ -224,7 +224,7 @@ def _nodes(keyword: Keyword, deck: Deck) -> None:
         raise wrong_line(path, keyword.number, got, "x, y, z", "write the file in global coordinates")
     if "INPUT" in keyword.options:
         raise wrong_line(path, keyword.number, "nodes of another file", "nodes in this one", "write *INCLUDE, INPUT=..")
-    wide = [(number, words) for number, words in keyword.rows if not 1 <= len(words) <= 4]
+    wide = [(number, words) for number, words in keyword.rows if len(words) > 4 and any(map(_says, words[4:]))]
     if wide:
         raise wrong_line(path, wide[0][0], f"{len(wide[0][1])} numbers of a node", "a number and x, y, z")
     numbers = integers(path, ((number, words[:1]) for number, words in keyword.rows))
@@ -235,6 +235,11 @@ def _nodes(keyword: Keyword, deck: Deck) -> None:
     deck.points.append(places.reshape(-1, 3))
     if "NSET" in keyword.options:
         deck.node_sets.setdefault(known_as(deck.node_sets, keyword.options["NSET"]), []).append(numbers)
+
+
+def _says(word: str) -> bool:
+    """Whether a field has something else in it than zeros."""
+    return bool(word.strip("0.+-eE"))
 
 
 def _elements(keyword: Keyword, deck: Deck) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
 
 from femstruct.arrays import Integers
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_deck import Deck, Keyword
+from femstruct.files.inputs.mesh_files.own_directions import in_global_directions
 from femstruct.files.inputs.mesh_files.text_lines import floats, integers, wrong_line
 from femstruct.model.imported.imported_mesh import StatedHold, StatedLink, StatedMass
 from femstruct.model.imported.stated.left_out import Makes
@@ -160,29 +160,10 @@ def transform(keyword: Keyword, deck: Deck) -> None:
 
 def along_own_directions(deck: Deck) -> None:
     """Leave out supports and links in some of the directions of *TRANSFORM; in all three they have no direction."""
-    if not deck.turned:
-        return
-    turned = np.unique(np.concatenate(deck.turned))
-    of: dict[int, set[int]] = {}
-    for one in deck.holds:
-        for node in one.nodes[np.isin(one.nodes, turned)].tolist():
-            of.setdefault(node, set()).update(one.held)
-    partly = np.array([node for node, held in of.items() if not _in_all(held)], np.int64)
-    if len(partly):
-        what = "BOUNDARY in directions of *TRANSFORM"
-        deck.left_out.add(f"*{what}", Makes.SUPPORTS, f"{len(partly)} held nodes", deck.turned_at)
-    kept = (replace(one, nodes=one.nodes[~np.isin(one.nodes, partly)]) for one in deck.holds)
-    deck.holds = [one for one in kept if len(one.nodes)]
-    bent = [one for one in deck.links if not _in_all(one.follows) and np.isin((one.node, *one.nodes), turned).any()]
-    if bent:
-        what = "links in directions of *TRANSFORM"
-        deck.left_out.add(what, Makes.LINKS, "links between nodes", deck.turned_at, count=len(bent))
-    deck.links = [one for one in deck.links if not any(one is other for other in bent)]
-
-
-def _in_all(held: Collection[int]) -> bool:
-    """Whether held shifts are all three or none, and held turns as well."""
-    return all(len([one for one in some if one in held]) in (0, 3) for some in ((0, 1, 2), (3, 4, 5)))
+    turned = np.unique(np.concatenate([np.zeros(0, np.int64), *deck.turned]))
+    why = "in directions of *TRANSFORM"
+    found = in_global_directions(deck.holds, deck.links, turned, deck.left_out, why, deck.turned_at)
+    deck.holds, deck.links = found
 
 
 def initial_conditions(keyword: Keyword, deck: Deck) -> None:

@@ -155,7 +155,7 @@ def _with_included(lines: list[Line], depth: int) -> Iterator[Line]:
             at += 1
         if depth > _DEEPEST:
             raise wrong_line(one.path, one.number, "files that include each other", "an end to it")
-        name = name.split("$", 1)[0].strip().strip("'\"")
+        name = name.split("$", 1)[0].strip().strip("'\"").replace("\\", "/")
         try:
             inner = beside(str(one.path), name)
             texts = lines_of(inner, content(inner, LARGEST, "an included file"))

@@ -30,6 +30,10 @@ class Bulk:
 
     numbers: list[int] = field(default_factory=list)
     points: list[tuple[float, float, float]] = field(default_factory=list)
+    placed: list[int] = field(default_factory=list)  # systems of the places of nodes
+    moving: list[int] = field(default_factory=list)  # systems of their motion
+    of_systems: dict[int, Card] = field(default_factory=dict)  # cards of nodes that have such a system
+    systems: list[Card] = field(default_factory=list)
     cells: dict[str, list[list[int]]] = field(default_factory=dict)
     by_property: dict[int, list[int]] = field(default_factory=dict)
     bars: dict[str, list[int]] = field(default_factory=dict)  # numbers of bars by their card

@@ -16,6 +16,7 @@ from femstruct.arrays import Integers
 from femstruct.errors import InputError
 from femstruct.files.inputs.mesh_files.nastran.bulk_cards import Card, cards_of
 from femstruct.files.inputs.mesh_files.nastran.case_control import Control, case_control
+from femstruct.files.inputs.mesh_files.nastran.coordinate_systems import Systems
 from femstruct.files.inputs.mesh_files.nastran.nastran_bulk import OF_GRID, Bulk, Shelled
 from femstruct.files.inputs.mesh_files.nastran.nastran_shells import judge_shells, pcomp, pshell
 from femstruct.files.inputs.mesh_files.nastran.nastran_stated import conm2, hold, param, rbe2, rbe3, spc, spc1, spcadd
@@ -27,6 +28,7 @@ from femstruct.files.inputs.mesh_files.nastran.nastran_words import (
     READ_COMMANDS,
     WITHOUT_EFFECT,
 )
+from femstruct.files.inputs.mesh_files.own_directions import in_global_directions
 from femstruct.files.inputs.mesh_files.text_lines import lines_of
 from femstruct.model.imported.gathering import Block, Gathered
 from femstruct.model.imported.imported_mesh import (
@@ -116,6 +118,10 @@ def _take(card: Card, bulk: Bulk, control: Control) -> None:
 
 
 def _gathered(bulk: Bulk) -> Gathered:
+    systems = Systems(bulk.systems)
+    known, placed, moving = np.array(bulk.numbers), np.array(bulk.placed), np.array(bulk.moving)
+    points = systems.places(known, np.array(bulk.points), placed, bulk.of_systems)
+    turned = systems.turned(known, moving, bulk.of_systems)
     blocks = []
     for kind, rows in bulk.cells.items():
         table = np.array(rows, np.int64)
@@ -130,18 +136,24 @@ def _gathered(bulk: Bulk) -> Gathered:
     for (number, _), some in bulk.holds.items():
         name = _support(number)
         node_sets[name] = np.unique(np.concatenate([node_sets.get(name, np.zeros(0, np.int64)), some]))
-    known = np.array(bulk.numbers)
     cells = np.concatenate([block.numbers for block in blocks] or [np.zeros(0, np.int64)])
     for name, members in bulk.sets.items():  # a set of the case control may be one of nodes or of elements
         if np.isin(members, known).all():
             node_sets[name] = np.array(members, np.int64)
         if np.isin(members, cells).all():
             cell_sets[name] = np.array(members, np.int64)
-    return Gathered(known, np.array(bulk.points), blocks, node_sets, cell_sets, _stated(bulk))
+    return Gathered(known, points, blocks, node_sets, cell_sets, _stated(bulk, turned))
 
 
-def _stated(bulk: Bulk) -> Stated:
-    """What is stated beside the mesh; masses times the factor of all."""
+def _stated(bulk: Bulk, turned: Integers) -> Stated:
+    """What is stated beside the mesh; masses times the factor of all. turned : nodes with directions of their own."""
+    holds = [
+        StatedHold(_support(number), np.array(some), tuple(int(digit) - 1 for digit in held))
+        for (number, held), some in bulk.holds.items()
+    ]
+    line = bulk.of_systems[int(turned[0])].number if len(turned) else 0
+    why = "in directions of CD of GRID"
+    kept, links = in_global_directions(holds, bulk.links, turned, bulk.left_out, why, line)
     properties = [
         *((n, StatedProperty(_property(bulk, n), one.thickness, _name(one))) for n, one in bulk.shells.items()),
         *((n, StatedProperty(_property(bulk, n), None, one)) for n, one in bulk.solids.items()),
@@ -158,11 +170,8 @@ def _stated(bulk: Bulk) -> Stated:
             replace(one, mass=factor * one.mass, inertia=tuple(factor * value for value in one.inertia))
             for one in bulk.masses
         ),
-        tuple(bulk.links),
-        tuple(
-            StatedHold(_support(number), np.array(some), tuple(int(digit) - 1 for digit in held))
-            for (number, held), some in bulk.holds.items()
-        ),
+        tuple(links),
+        tuple(kept),
         bulk.left_out.found,
         elements={name: np.array(some) for name, some in bulk.bars.items()},
         open_end=bulk.open_end,
@@ -232,27 +241,33 @@ def _grid(card: Card, bulk: Bulk) -> None:
         filled = [*card.fields, *[""] * (8 - len(card.fields))]
         filled = [word or (general.field(at) if at in (1, 5, 6, 7) else "") for at, word in enumerate(filled)]
         card = card._replace(fields=filled)
-    for index, what in ((1, "of its place"), (5, "of its motion")):
-        if card.whole(index, default=0):
-            raise card.refuse(
-                f"the coordinate system {card.field(index)} {what}",
-                "0, the basic one",
-                "write the file in basic coordinates",
-            )
+    number, placed, moving = card.whole(0), card.whole(1, default=0), card.whole(5, default=0)
+    if placed or moving:
+        bulk.of_systems[number] = card
+    bulk.placed.append(placed)
+    bulk.moving.append(max(moving, 0))  # -1 is a node of a fluid
+    if moving < 0:
+        bulk.left_out.add("GRID of a fluid", Makes.ELEMENTS, "a fluid", card.number)
     if card.whole(7, default=0):
         bulk.left_out.add("SEID of GRID", Makes.ELEMENTS, "superelements: other parts of the structure", card.number)
-    bulk.numbers.append(card.whole(0))
+    bulk.numbers.append(number)
     bulk.points.append((card.real(2, 0.0), card.real(3, 0.0), card.real(4, 0.0)))
     if card.field(6).strip("0"):
-        hold(card, bulk, OF_GRID, 6, [card.whole(0)])
+        hold(card, bulk, OF_GRID, 6, [number])
 
 
 def _grdset(card: Card, bulk: Bulk) -> None:
-    """What GRID leaves out; `_grid` takes it, wherever it stands. Raises InputErrors for a second one."""
-    if card is not bulk.of_grids:
+    """What GRID leaves out; `_grid` takes it, wherever it stands. Raises InputErrors for a second one that differs."""
+    if bulk.of_grids is not None and card.fields != bulk.of_grids.fields:
         raise card.refuse("a second one", "one GRDSET")
     for index in (1, 5, 6, 7):
         card.field(index)
+
+
+def _system(card: Card, bulk: Bulk) -> None:
+    """A coordinate system, which is made where nodes are in it."""
+    card.seen.update(range(8 if card.name[4] == "1" else 11))
+    bulk.systems.append(card)
 
 
 def _psolid(card: Card, bulk: Bulk) -> None:
@@ -299,6 +314,7 @@ def _set3(card: Card, bulk: Bulk) -> None:
 _READERS: Final[Mapping[str, Callable[[Card, Bulk], None]]] = {
     "GRID": _grid,
     "GRDSET": _grdset,
+    **dict.fromkeys(("CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"), _system),
     "PSHELL": pshell,
     "PCOMP": pcomp,
     "PCOMPG": pcomp,
