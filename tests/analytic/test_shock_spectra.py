@@ -89,7 +89,8 @@ def test_a_study_reports_it(tmp_path: Path) -> None:
     assert len(found.frequency_hz) == round(6 * np.log2(100.0)) + 1
     own = case.channels["m.z acceleration"].values
     again = shock_spectrum(own, 20e3, found.frequency_hz, 0.03)
-    np.testing.assert_array_equal(found.maximax, again.maximax)
+    # the spectrum is that of the displacement; samples miss half an interval where the force sets in: 0.13 % here
+    np.testing.assert_allclose(found.maximax, again.maximax, rtol=2e-3)
     table = json.loads(json.dumps(summary(result)))["cases"]["as given"]["shock_spectra"]["seat"]
     assert table["largest"] == pytest.approx(found.largest, rel=1e-12)  # the digits of JSON
     write_results(tmp_path / "results.h5", result)

@@ -116,7 +116,8 @@ def test_a_study_reports_it_everywhere(tmp_path: Path) -> None:
     case = result.cases["as given"]
     found = case.evaluations["perception"]["bed"]
     again = perceived(case.channels["m.z velocity"].values, 20e3, "KB", "m.z velocity")
-    assert (found.largest, found.rms, found.at) == (again.largest, again.rms, again.at)
+    # it sees the velocity as the derivative of the displacement: 3e-10 apart here
+    assert (found.largest, found.rms, found.at) == pytest.approx((again.largest, again.rms, again.at), rel=1e-8)
     table = json.loads(json.dumps(summary(result)))["cases"]["as given"]
     assert table["perception"]["bed"]["largest"] == pytest.approx(found.largest, rel=1e-12)  # the digits of JSON
     assert table["shock_spectra"] == {}

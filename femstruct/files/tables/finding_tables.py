@@ -15,6 +15,8 @@ if TYPE_CHECKING:  # tables of one structure need nothing of impacts
 
 OF_PEAKS: Final = ("peak-not-converged", "stress-uneven")  # findings of one channel, whose name begins their message
 
+OF_EVALUATIONS: Final = "evaluation-not-converged"  # of one evaluation, whose kind and name begin its message
+
 
 def finding_table(found: Finding | Advice) -> dict[str, Any]:
     """A finding as a table."""
@@ -41,6 +43,12 @@ def unquotable(case: CaseResult) -> dict[str, str]:
     """Recorded channels of a case whose peaks are not to be quoted, each with the code of the finding that says so."""
     found = [one for one in case.findings if one.code in OF_PEAKS]
     return {name: one.code for one in found for name in case.channels if one.message.startswith(f"{name}: ")}
+
+
+def doubtful_answers(case: CaseResult, kind: str, name: str) -> tuple[str, ...]:
+    """Numbers of an evaluation that are not to be quoted, as the finding that says so names them."""
+    told = [one for one in case.findings if one.code == OF_EVALUATIONS]
+    return tuple(number for one in told if one.message.startswith(f"{kind}.{name}: ") for number in one.values)
 
 
 def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...]], ...]:

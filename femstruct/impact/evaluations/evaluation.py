@@ -9,10 +9,23 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Final, Literal, NamedTuple
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
+from femstruct.reported import OWN_UNIT, reported
+
+PLACES: Final = ("s", "Hz", "1")  # units of numbers that say when and where, or what was asked
+
+
+class Quoted(NamedTuple):
+    """A number of an answer that is quoted: its name in tables or in words, in `unit`; hz : up to which frequency it
+    needs modes, 0 where that is not said."""
+
+    name: str
+    value: float
+    unit: str
+    hz: float = 0.0
 
 
 class Evaluation(ABC):
@@ -46,6 +59,16 @@ class Evaluation(ABC):
     def answer(self, values: Floats, sampling: float) -> Any:
         """The noun with the numbers, of the channel's samples [nt] in SI units and their sampling [Hz]. A number that
         is `Reported` with a symbol has a column in the tables that are read."""
+
+    def quoted(self, answer: Any) -> tuple[Quoted, ...]:
+        """The numbers of an answer that must not depend on the modes left out; those of its columns in tables."""
+        kind: object = type(answer)
+        columns = {field: about for field, about in reported(kind).items() if about.symbol}
+        return tuple(
+            Quoted(about.symbol, float(value), answer.unit if about.unit == OWN_UNIT else about.unit)
+            for field, about in columns.items()
+            if about.unit not in PLACES and isinstance(value := getattr(answer, field), int | float)
+        )
 
     def doubts(self, complete_below_hz: float) -> Iterator[Finding]:
         """What is to be known where the modes are complete below a frequency [Hz]."""

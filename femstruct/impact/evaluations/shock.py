@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Final, Literal
 
@@ -10,8 +11,8 @@ import scipy
 
 from femstruct.arrays import Floats
 from femstruct.declared import checked
-from femstruct.errors import InputError
-from femstruct.impact.evaluations.evaluation import Evaluation
+from femstruct.errors import Finding, InputError
+from femstruct.impact.evaluations.evaluation import Evaluation, Quoted
 from femstruct.reported import Held, Reported
 
 SAMPLES: Final = 10.0
@@ -81,6 +82,23 @@ class ShockRequest(Evaluation):
         low, high = self.band
         count = max(2, round(self.per_octave * np.log2(high / low)) + 1)
         return shock_spectrum(values, sampling, np.geomspace(low, high, count), self.damping, self.channel)
+
+    def quoted(self, answer: ShockSpectrum) -> tuple[Quoted, ...]:
+        """The largest, and every value of the spectrum."""
+        spectrum = zip(answer.frequency_hz, answer.maximax, strict=True)
+        values = (Quoted(f"value at {f:.4g} Hz", float(value), "m/s^2", float(f)) for f, value in spectrum)
+        return (Quoted("largest", answer.largest, "m/s^2", float(answer.frequency_hz[-1])), *values)
+
+    def doubts(self, complete_below_hz: float) -> Iterator[Finding]:
+        """Oscillators beyond the modes."""
+        if complete_below_hz < self.band[1]:
+            yield Finding(
+                "spectrum-beyond-modes",
+                f"{self.name}: the modes are complete below {complete_below_hz:.4g} Hz only, and the spectrum goes to "
+                f"{self.band[1]:.4g} Hz. Do not quote it above {complete_below_hz:.4g} Hz. Compute modes up to "
+                f"{self.band[1]:.4g} Hz or more",
+                {"complete_below_hz": complete_below_hz, "needed_hz": self.band[1]},
+            )
 
 
 def shock_spectrum(

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from femstruct.conventions import GRAVITY
+from femstruct.files.tables.finding_tables import OF_EVALUATIONS, doubtful_answers
 from femstruct.impact.evaluations.shock import ShockRequest, ShockSpectrum
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, Vibrated, with_axis
 from femstruct.study.result import CaseResult, StudyResult
@@ -38,7 +39,9 @@ def shock_spectra(result: StudyResult, name: str) -> Figure:
     figure = new_figure(9.0, 4.6, title)
     ((axes,),) = panels(figure, 1, 1, between=0.15, top=0.55 + 0.155 * len(found), left=1.15)
     for case, spectrum in found.items():
-        axes.loglog(spectrum.frequency_hz, spectrum.maximax, **drawn[case], linewidth=1.3, label=case)
+        doubtful = doubtful_answers(result.cases[case], ShockRequest.key(), name)
+        label = f"{case} ? : do not quote, see {OF_EVALUATIONS}" if doubtful else case
+        axes.loglog(spectrum.frequency_hz, spectrum.maximax, **drawn[case], linewidth=1.3, label=label)
     axes.set_xlim(one.frequency_hz[0], one.frequency_hz[-1])
     finish(axes, "natural frequency in Hz", "largest |acceleration| in m/s²")
     legend_above(axes, up=12)

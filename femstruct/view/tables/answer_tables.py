@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from femstruct.files.tables.finding_tables import unquotable
+from femstruct.files.tables.finding_tables import OF_EVALUATIONS, doubtful_answers, unquotable
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer, with_axis
 from femstruct.reported import OWN_UNIT, Reported, holdings, reported
 from femstruct.study.result import StudyResult
@@ -47,7 +47,14 @@ def evaluations(result: StudyResult) -> Iterator[Grid]:
                 shown = {field: about for field, about in reported(kind).items() if about.symbol}
                 columns = ("", "case", *(about.symbol for about in shown.values()))
                 grid = found.setdefault(key, Grid(told.long_name.lower(), columns, keys=2))
-                grid.add(name, case_name, *(_cell(one, field, about) for field, about in shown.items()))
+                doubts = doubtful_answers(case, key, name)
+                cells = (
+                    _cell(one, field, about) + (" ?" if about.symbol in doubts else "")
+                    for field, about in shown.items()
+                )
+                grid.add(name, case_name, *cells)
+                if doubts:
+                    found[key] = replace(grid, title=f"{told.long_name.lower()} ({doubted([OF_EVALUATIONS])})")
     yield from found.values()
 
 

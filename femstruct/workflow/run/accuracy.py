@@ -16,6 +16,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.closer import FOLDED, last_mode_hz
+from femstruct.impact.result.averaged import averaged
 from femstruct.impact.result.response import Response
 from femstruct.impact.scene.bodies import Clock
 from femstruct.impact.simulate import simulate
@@ -28,7 +29,7 @@ from femstruct.study.study import Case
 from femstruct.units import readable
 from femstruct.workflow.stages.coupled_air import coupled
 from femstruct.workflow.stages.modal_bases import Solved, damped, key_of, solve
-from femstruct.workflow.stages.recorded.channels import STRESS, UNITS, before_start, motion_rows, record
+from femstruct.workflow.stages.recorded.channels import STRESS, UNITS, before_start, histories
 from femstruct.workflow.stages.recorded.stresses import walked
 from femstruct.workflow.stages.recorded.windowed_peaks import AT_REST, closings, first_window, in_band
 from femstruct.workflow.stages.staging import scene
@@ -97,21 +98,6 @@ def accuracy_findings(check: AccuracyCheck) -> tuple[Finding, ...]:
             severe=True,
         ),
     )
-
-
-def acceleration_in_band(
-    displacement: Floats, sampling: float, band: tuple[float, float], speed: float = 0.0
-) -> Floats:
-    """The acceleration between two frequencies [m/s^2], from the displacement [nt] [m] in the band.
-
-    Samples of an acceleration show what rings beyond half the sampling at frequencies of the band; in the displacement
-    it is smaller by the square of its frequency. Five-point formula: errs by (omega / sampling)^4 / 90.
-    speed [m/s] : what it starts with, and had before.
-    """
-    after = 2.0 * displacement[-1] - displacement[-2:-4:-1]  # it goes on as fast: a stop would be a blow
-    x = np.concatenate((displacement[0] - speed * np.array([2.0, 1.0]) / sampling, displacement, after))
-    second = (16.0 * (x[1:-3] + x[3:-1]) - 30.0 * x[2:-2] - x[:-4] - x[4:]) * sampling**2 / 12.0
-    return in_band(second, sampling, band)
 
 
 def _climb(
@@ -252,22 +238,14 @@ def _response(case: Case, solved: Solved, baseline: Case, reference: Solved | No
 
 def _digest(case: Case, solved: Solved, response: Response) -> Run:
     rule, sampling = _rule(case), response.clock.sampling
-    pushed = [wanted for wanted in case.study.records if wanted.what == "acceleration"]
     stressed = [wanted for wanted in case.study.records if wanted.what == STRESS]
-    others = tuple(wanted for wanted in case.study.records if wanted not in (*pushed, *stressed))
-    moved = tuple(replace(wanted, what="displacement") for wanted in pushed)
-    plain = record(replace(case.study, rooms=(), records=others), solved.places, response, {})
-    placed = record(replace(case.study, rooms=(), records=moved), solved.places, response, {})
+    others = tuple(wanted for wanted in case.study.records if wanted not in stressed)
+    plain = histories(replace(case.study, rooms=(), records=others), solved.places, averaged(response))
     rest = before_start(case.study, solved.places, response)
     channels = {
-        name: (in_band(c.values, sampling, rule.band, rest.get(name, AT_REST)), c.unit) for name, c in plain.items()
+        name: (in_band(values, sampling, rule.band, rest.get(name, AT_REST)), unit)
+        for name, (values, unit) in plain.items()
     }
-    points = motion_rows(case.study, solved.places, response.basis)
-    started = response.scene.velocity
-    for wanted, displacement in zip(pushed, moved, strict=True):
-        speed = 0.0 if started is None else float(points[str(wanted)][1] @ started)
-        values = acceleration_in_band(placed[str(displacement)].values, sampling, rule.band, speed)
-        channels[str(wanted)] = (values, UNITS["acceleration"])
     for wanted in stressed:
         rows = solved.places.stresses(wanted.target, f"record.{wanted.target}")
         moved_in_band = in_band(response.q, sampling, rule.band)

@@ -46,7 +46,7 @@ from femstruct.workflow.stages.modal_bases import Solved, damped
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.rated_rooms import overlap_findings, rate_rooms
 from femstruct.workflow.stages.recorded.channels import refuse_absent_forces
-from femstruct.workflow.stages.recorded.evaluated import evaluated
+from femstruct.workflow.stages.recorded.evaluated import nothing_evaluated
 from femstruct.workflow.stages.recorded.peaks import damage_findings
 from femstruct.workflow.stages.responses import frequency_response
 from femstruct.workflow.stages.room_transfers import RoomTransfers
@@ -89,7 +89,7 @@ def run_case(
     whole: Struck | None = None
     radiated, by_surface, cycles = dict[str, Radiated](), dict[str, SurfaceShares](), dict[str, Fatigue]()
     channels: Mapping[str, Channel] = {}
-    shares, drops, rated = None, dict[str, Drop](), {}
+    shares, drops, rated, evaluations = None, dict[str, Drop](), {}, nothing_evaluated()
     if study.time is not None:
         refuse_absent_forces(study, basis)
         timed = partial(clock, case=case.name)
@@ -98,8 +98,8 @@ def run_case(
         drops = _drops(case, struck, own.places)
         with clock("levels", case.name):
             told_of = of_history(study, own.places, basis, whole.response, whole.rooms)
-            shares, channels, cycles = told_of.shares, told_of.channels, dict(told_of.fatigue)
-            findings += told_of.findings
+            shares, channels, evaluations = told_of.shares, told_of.channels, told_of.evaluations
+            cycles, findings = dict(told_of.fatigue), [*findings, *told_of.findings]
         if any(plan.room.open_air is not None or len(plan.moved) > 1 for plan in study.rooms):
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
@@ -128,7 +128,7 @@ def run_case(
         errors=None if whole is None else whole.errors,
         radiated=radiated,
         heard=NO_OWN_SOUND if whole is None else whole.heard,
-        evaluations=evaluated(study, channels),
+        evaluations=evaluations,
         vibration=vibrated,
         fatigue=cycles,
         sources=installed,

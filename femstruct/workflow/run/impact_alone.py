@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from acoustics.room_response import RoomResponse
 from femstruct.errors import Finding
@@ -39,6 +40,7 @@ class History:
     channels: Mapping[str, Channel]
     shares: ModeEnergies
     fatigue: Mapping[str, Fatigue]
+    evaluations: Mapping[str, Mapping[str, Any]]
     findings: tuple[Finding, ...]
 
 
@@ -52,15 +54,18 @@ def of_history(
     channels = record(study, places, response, rooms)
     rows = motion_rows(study, places, basis).items()
     accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
+    evaluations, of_evaluations = evaluated(study, places, response, channels)
     found = (
         *aliased_findings(response, accelerations),
         *missed_peaks(study, response, channels),
         *missed_pulses(study, response),
         *peak_findings(channels),
+        *of_evaluations,
         *fatigue_findings(study, channels),
         *stress_findings({name: channel.stressed for name, channel in channels.items()}),
     )
-    return History(channels, mode_energies(response), fatigues(study, channels, places, response), found)
+    cycles = fatigues(study, channels, places, response)
+    return History(channels, mode_energies(response), cycles, evaluations, found)
 
 
 def impact_alone(case: Case, key: str, places: Places, basis: ModalBasis, scene: Scene) -> CaseResult:
@@ -89,6 +94,6 @@ def impact_alone(case: Case, key: str, places: Places, basis: ModalBasis, scene:
         findings=ranked(findings),
         accuracy=None,
         shares=told.shares,
-        evaluations=evaluated(study, told.channels),
+        evaluations=told.evaluations,
         fatigue=told.fatigue,
     )

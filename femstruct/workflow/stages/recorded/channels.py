@@ -12,6 +12,7 @@ from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
 from femstruct.impact.closer import closer
+from femstruct.impact.result.averaged import averaged
 from femstruct.impact.result.force_on_ground import on_the_ground, passed_on
 from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ForceRow, ModalBasis
@@ -75,10 +76,12 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
             name: Channel(name, values, unit, *told.get(name, blank))
             for name, (values, unit) in (kept | pressures).items()
         }
-    fine = kept if seen is response else kept | histories(study, places, seen)
+    plain = study.peaks.lowpass_hz is None
+    moves = seen if plain else averaged(seen)
+    fine = kept if moves is response else kept | histories(study, places, moves)
     peaks = Peaks(study.peaks, seen.clock.sampling, first_window(study.peaks, seen))
     alone = first_alone(seen, peaks.window)
-    moving = None if study.peaks.lowpass_hz is not None else alone  # a filter needs what comes later
+    moving = alone if plain else None  # a filter needs what comes later
     rest = before_start(study, places, seen)
     found = {name: peaks.of(fine[name][0], rest.get(name, AT_REST)) for name in kept}
     if moving is not None:
@@ -93,7 +96,7 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
     channels = {name: Channel(name, values, unit, *found[name]) for name, (values, unit) in (kept | pressures).items()}
     true = np.array([kind != "residual" for kind in response.basis.kind])
     for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
-        pair = peaks.of(moved(seen, what, row * true), rest.get(name, AT_REST))
+        pair = peaks.of(moved(moves, what, row * true), rest.get(name, AT_REST))
         by_modes = pair if moving is None else raised(pair, moved(moving, what, row * true))
         channels[name] = replace(channels[name], by_modes=by_modes)
     return channels | _stresses(stresses, study.peaks, places, response, seen, moving) if stresses else channels
