@@ -77,6 +77,7 @@ FORBIDS = {
     "initial stress": (inp(more="*INITIAL CONDITIONS, TYPE=STRESS\n1, 1e6"), "*INITIAL CONDITIONS, TYPE=STRESS (line "),
     "a sector": (inp(more="*CYCLIC SYMMETRY MODEL, N=4, TIE=T\n0,0,0,0,0,1"), "1 *CYCLIC SYMMETRY MODEL (line 32)"),
     "supports in a step": (inp(more="*STEP\n*BOUNDARY\n1, 1, 3\n*FREQUENCY\n3"), "1 *BOUNDARY of a step (line 33)"),
+    "a second line of data": (inp(more="*SHELL SECTION, ELSET=A\n0.01\n0.02"), "data line 2 of *SHELL SECTION (line"),
     "a misspelt keyword": (inp(more="*BOUNDRY\n1, 1, 3"), "1 *BOUNDRY (line 32) [a keyword that is not known: is it m"),
     "an unknown option": (inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, TWIST=3\n0.01"), "option TWIST of *SHELL S"),
     "nsm": (bulk("PSHELL,1,1,.01,1,,1,,12.5"), "NSM of PSHELL 1 (line 5) of 2 cells [12.5 of mass per area"),
@@ -320,3 +321,23 @@ def test_systems_that_cannot_be_are_refused_with_their_line(old: str, new: str, 
     with pytest.raises(InputError) as caught:
         mesh_of(tmp_path, bulk(more=SYSTEMS.rstrip().replace(old, new)))
     assert told in str(caught.value) and "a.bdf:2" in str(caught.value)
+
+
+def test_lines_that_would_be_lost_are_refused(tmp_path: Path) -> None:
+    """Numbers behind the eighth field of a line in free format, and data before all keywords."""
+    with pytest.raises(
+        InputError, match=r"a\.bdf:20:1: got 9 fields behind SPC1, expected 8 in a line; write the others"
+    ):
+        mesh_of(tmp_path, bulk(more="SPC1,1,123,1,2,3,4,5,6,7"))
+    mesh = mesh_of(tmp_path, bulk(more="SPC1,1,123,1,2,3,4,5,6,AB\n+AB,7"))  # a mark of continuation
+    assert mesh.numbers[mesh.stated.holds[0].nodes].tolist() == [1, 2, 3, 4, 5, 6, 7]
+    (tmp_path / "b.inp").write_text("NODE\n1, 0, 0\n*NODE\n2, 0, 0\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"b\.inp:1:1: got 'NODE' before all keywords, expected a keyword, such as"):
+        fs.read_mesh_file(tmp_path / "b.inp")
+    (tmp_path / "nodes.txt").write_text("91, 7, 8, 9\n", encoding="utf-8")  # an included file within a block of data
+    mesh = mesh_of(tmp_path, inp(more="*NODE\n90, 1, 2, 3\n*INCLUDE, INPUT=nodes.txt\n92, 4, 5, 6"))
+    assert mesh.points[-3:].tolist() == [[1.0, 2.0, 3.0], [7.0, 8.0, 9.0], [4.0, 5.0, 6.0]]
+    three = inp("*SHELL SECTION,\nELSET=SKIN,\nOFFSET=0.5,\nMATERIAL=STEEL\n0.01")  # a keyword over four lines
+    assert "OFFSET of *SHELL SECTION" in severe(told(mesh_of(tmp_path, three)))
+    more = bulk().replace("ENDDATA", "BEGIN SUPER = 1\nENDDATA")
+    assert "1 BEGIN (line 20) [superelements: other parts" in severe(told(mesh_of(tmp_path, more)))

@@ -17,7 +17,7 @@ from femstruct.errors import InputError
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_deck import Deck, Keyword, known_as
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_sections import membrane_section, shell_section, solid_section
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_stated import STATED, along_own_directions, is_number
-from femstruct.files.inputs.mesh_files.abaqus.abaqus_words import LEFT_OUT, OPTIONS, WITHOUT_EFFECT
+from femstruct.files.inputs.mesh_files.abaqus.abaqus_words import LEFT_OUT, ONE_LINE, OPTIONS, WITHOUT_EFFECT
 from femstruct.files.inputs.mesh_files.text_lines import floats, integers, lines_of, wrong_line
 from femstruct.files.inputs.opening import beside, content
 from femstruct.model.imported.cell_kinds import KINDS
@@ -67,7 +67,7 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
     out, as the tables of `words` have it. Raises InputErrors with file and line.
     """
     deck = Deck()
-    keywords = _keywords(path, data, depth=0)
+    keywords = _keywords(path, data, 0, [])
     for keyword in keywords:
         if keyword.word in _FIRST:
             _take(keyword, deck)
@@ -150,20 +150,21 @@ def _preload(keywords: list[Keyword], deck: Deck) -> None:
             deck.left_out.add(f"*{keyword.written} after a step of loads", Makes.PRELOAD, what, start)
 
 
-def _keywords(path: Path, data: bytes, depth: int) -> list[Keyword]:
-    """All keywords with their data lines, those of included files in their places."""
-    found: list[Keyword] = []
+def _keywords(path: Path, data: bytes, depth: int, found: list[Keyword]) -> list[Keyword]:
+    """All keywords with their data lines, behind those that are found already; included files stand in their places,
+    also within the data of a keyword."""
     pending = ""
     for number, line in enumerate(lines_of(path, data), 1):
-        if line.lstrip().startswith("**") or not line.strip():
+        if line.lstrip(" \t>").startswith("**") or not line.strip():
             continue
         text = pending + line.strip()
-        pending = text if line.startswith("*") and text.endswith(",") else ""
+        pending = text if text.startswith("*") and text.endswith(",") else ""
         if pending:
             continue
         if not text.startswith("*"):
-            if found:
-                found[-1].rows.append((number, [word.strip() for word in text.rstrip(",").split(",")]))
+            if not found:
+                raise wrong_line(path, number, f"'{text[:60]}' before all keywords", "a keyword, such as *NODE")
+            found[-1].rows.append((number, [word.strip() for word in text.rstrip(",").split(",")]))
             continue
         first, *others = (one.strip() for one in text[1:].split(","))
         pairs = (one.partition("=") for one in others if one)
@@ -176,7 +177,7 @@ def _keywords(path: Path, data: bytes, depth: int) -> list[Keyword]:
             raise wrong_line(path, number, "files that include each other", "an end to it")
         try:
             inner = beside(str(path), keyword.option("INPUT"))
-            found += _keywords(inner, content(inner, LARGEST, "an included file"), depth + 1)
+            _keywords(inner, content(inner, LARGEST, "an included file"), depth + 1, found)
         except InputError as error:
             if getattr(error, "errors", ()):
                 raise
@@ -198,6 +199,9 @@ def _take(keyword: Keyword, deck: Deck) -> None:
         keyword.leave_out(deck, *LEFT_OUT[word])
     else:
         keyword.leave_out(deck, Makes.UNKNOWN, "a keyword that is not known: is it misspelt?")
+    if word in ONE_LINE and "COMPOSITE" not in keyword.options and len(keyword.rows) > 1:
+        what = f"data line 2 of *{keyword.written}"
+        deck.left_out.add(what, Makes.UNKNOWN, "a line that is not read", keyword.rows[1][0])
     if word in OPTIONS:
         for option in keyword.options:
             if option not in OPTIONS[word].split():

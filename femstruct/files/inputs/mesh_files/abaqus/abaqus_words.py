@@ -13,6 +13,9 @@ from typing import Final
 from femstruct.model.imported.stated.left_out import Makes
 
 _REASONS: Final = {
+    "sensitivities and optimisation": "CORRELATIONLENGTH GEOMETRICTOLERANCES CONSTRAINT",
+    "output of matrices or to other files": "SUBSTRUCTUREMATRIXOUTPUT FILEOUTPUT ELEMENTMATRIXOUTPUT MATRIXGENERATE",
+    "plasticity, friction or contact that a step changes": "CHANGEPLASTIC CHANGESURFACEBEHAVIOR CHANGECONTACTTYPE",
     "text": ("HEADING PARAMETER"),
     "output": (
         "NODEPRINT NODEFILE NODEOUTPUT NODERESPONSE ELPRINT ELFILE ELEMENTOUTPUT ELOUTPUT OUTPUT CONTACTFILE "
@@ -79,6 +82,8 @@ _LEFT: Final[tuple[tuple[Makes, str, str], ...]] = (
     (Makes.SPRINGS, "springs to the ground on faces", "FOUNDATION ELEMENTFOUNDATION"),
     (Makes.MASSES, "moments of inertia at nodes", "ROTARYINERTIA"),
     (Makes.SECTION, "mass of cells", "NONSTRUCTURALMASS"),
+    (Makes.SECTION, "materials or sections that a step changes", "CHANGEMATERIAL CHANGESOLIDSECTION"),
+    (Makes.ELEMENTS, "elements that are made of others", "REFINEMESH"),
     (Makes.SECTION, "cells of another section", "SHELLGENERALSECTION COHESIVESECTION GASKETSECTION "
      "SURFACESECTION REBAR REBARLAYER REINFORCEMENT TRANSVERSESHEARSTIFFNESS HOURGLASSSTIFFNESS EULERIANSECTION"),
     (Makes.PRELOAD, "bolts that are drawn tight", "PRE-TENSIONSECTION"),
@@ -121,3 +126,6 @@ OPTIONS: Final[Mapping[str, str]] = {
     "INITIALCONDITIONS": "TYPE USER FILE INPUT STEP INC MIDSIDE",
 }
 """Options of keywords that are read, or that have no effect on a linear model of vibration, by keyword."""
+
+ONE_LINE: Final = ("SHELLSECTION", "SOLIDSECTION", "MEMBRANESECTION", "MASS")
+"""Keywords that have one line of data."""

@@ -20,6 +20,7 @@ LARGEST: Final = 500_000_000  # bytes
 _DEEPEST: Final = 5  # files that include files
 _SMALL, _LARGE = 8, 16
 _GOES_ON = re.compile(r"(^|,)\s*[+*](?!\d|\.)\w*\s*$")  # a mark of continuation as the last field of a line
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD]?[+-]?\d+)?")
 _BARE_EXPONENT = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))([+-]\d+)$")
 
 
@@ -119,7 +120,7 @@ def cards_of(path: Path, lines: list[str]) -> tuple[list[Line], list[Card], bool
             ended = True
             break
         last = text
-        name, fields = _split(text)
+        name, fields = _split(one, text)
         if name == "" or name[0] in "+*":
             if not found:
                 raise wrong_line(one.path, one.number, "a continuation of nothing", "a card before it")
@@ -166,13 +167,21 @@ def _with_included(lines: list[Line], depth: int) -> Iterator[Line]:
         yield from _with_included([Line(inner, number, text) for number, text in enumerate(texts, 1)], depth + 1)
 
 
-def _split(text: str) -> tuple[str, list[str]]:
-    """Name of a line, or its mark of continuation, and its fields: eight, or four of a large one."""
+def _split(line: Line, text: str) -> tuple[str, list[str]]:
+    """Name of a line, or its mark of continuation, and its fields: eight, or four of a large one.
+
+    Raises InputErrors for more, which would be lost: a field behind the last is the mark of continuation, in words.
+    """
     if "," in text:
         name, *fields = (word.strip() for word in text.split(","))
         if fields and re.fullmatch(r"[+*](?!\d|\.).*", fields[-1]):
             fields.pop()  # the mark of the line that goes on
         count = 4 if name.endswith("*") or name.startswith("*") else 8
+        behind = [word for word in fields[count:] if word]
+        if len(behind) > 1 or any(_NUMBER.fullmatch(word) for word in behind):
+            got = f"{len(fields)} fields behind {name or 'a continuation'}"
+            do = "write the others in a line of their own that begins with a comma"
+            raise wrong_line(line.path, line.number, got, f"{count} in a line", do)
         return name, [*fields[:count], *[""] * (count - len(fields))]
     text = text.expandtabs(_SMALL)
     name = text[:_SMALL].strip()

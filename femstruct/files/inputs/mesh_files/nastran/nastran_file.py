@@ -101,6 +101,7 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
 def _take(card: Card, bulk: Bulk, control: Control) -> None:
     """Read a card, or count it among what is left out; there is no third way."""
     name, left = card.name, bulk.left_out
+    name = "BEGIN" if name.startswith("BEGIN ") else name  # BEGIN SUPER = 1
     if name in _CELLS or name in _READERS:
         (_cell if name in _CELLS else _READERS[name])(card, bulk)
         of_no_effect = FIELDS_WITHOUT_EFFECT.get(name, {})

@@ -78,7 +78,7 @@ _LEFT: Final[tuple[tuple[Makes, str, str], ...]] = (
         Makes.ELEMENTS,
         "superelements: other parts of the structure",
         "CSUPER CSUPEXT SEBULK SESET SELOC SEELT SEBNDRY SECONCT SEEXCLD SELABEL SEMPLN SETREE SEUPRES SEQSET SEQSET1 "
-        "SESUP RELEASE EXTRN",
+        "SESUP RELEASE EXTRN BEGIN",
     ),
     (Makes.SECTION, "matrices that are added, where the case control chooses them", "DMIG DMIGOUT DMI DMIJ DMIJI DMIK"),
     (Makes.SECTION, "moduli that change with temperature", "MATT1 MATT2 MATT3 MATT8 MATT9 MATT11"),
