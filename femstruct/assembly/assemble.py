@@ -75,6 +75,10 @@ def assemble(model: Model) -> Assembly:
         loss_factors[elastic.name] = elastic.loss_factor
     masses += [_congruent(csr_array(inert.rows @ dofs.output), inert.mass) for inert in model.inerts]
     total, damping, mass = (_sum(terms, dofs.count) for terms in (list(stiffness.values()), dashpots, masses))
+    pushed = np.asarray(mass @ dofs.translations)
+    for name, (first, own) in dofs.parts.items():
+        if (beside := model.parts[name].beside_mass) is not None:
+            pushed[first : first + own.count] += beside
     equations, owners = _equations(model, dofs)
     solved = eliminate(equations)
     if not len(solved.free):
@@ -101,8 +105,8 @@ def assemble(model: Model) -> Assembly:
         points=model.mesh.points,
         part_stiffness=part_stiffness,
         loss_factors=loss_factors,
-        forces=force_rows(model, dofs, solved, equations, owners, (total, damping, mass)),
-        momentum=np.asarray((mass @ dofs.translations).T @ solved.E),
+        forces=force_rows(model, dofs, solved, equations, owners, (total, damping, mass), pushed),
+        momentum=np.asarray(pushed.T @ solved.E),
         total_mass=sum(part_masses(model).values()),
         grounded=grounded(model),
         growing={one.name: one.grows_from for one in model.elastics if one.grows_from is not None},

@@ -25,11 +25,12 @@ def force_rows(
     equations: csr_array,
     owners: Mapping[str, slice],
     matrices: tuple[csr_array, csr_array, csr_array],
+    pushed: Floats,
 ) -> dict[str, ForceRows]:
     """Force rows of every spring, foundation, support and joint by name, and "ground".
 
     equations [m, n_raw] with the stretch of each tie in `owners`; matrices : stiffness, damping and mass on the raw
-    degrees of freedom [n_raw, n_raw].
+    degrees of freedom [n_raw, n_raw]; pushed [n_raw, 3] : what unit accelerations of everything push them with [kg].
 
     Notes
     -----
@@ -46,7 +47,7 @@ def force_rows(
         # Products with E once for all ties: rows of the pivots are all that virtual work needs.
         onto = [csr_array(matrix[solved.pivots] @ solved.E) for matrix in matrices]
         output = csr_array(dofs.output[:, solved.pivots].T)
-        along = np.asarray(matrices[2][solved.pivots] @ dofs.translations)
+        along = pushed[solved.pivots]
         factor = splu(csc_array(equations[solved.kept][:, solved.pivots])) if len(solved.kept) else None
         for tie in model.ties:
             _add(forces, tie.name, _tie_rows(tie, owners[tie.name], solved, factor, onto, output, along))

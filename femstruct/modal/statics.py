@@ -15,7 +15,7 @@ from femstruct.conventions import GRAVITY, N_COMPONENTS
 from femstruct.errors import InputError
 from femstruct.modal.by_frequency.edge_walls import without_walls
 from femstruct.modal.solve import modes
-from femstruct.model.facts import part_masses
+from femstruct.model.facts import part_masses, refuse_unweighed
 from femstruct.model.model import Model
 from femstruct.model.probe import Probe
 from femstruct.sparse.patterns import aligned
@@ -56,7 +56,8 @@ class AtRest:
 def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, float]], weight: bool = False) -> AtRest:
     """A meshed structure under constant forces [N] at probes and, if asked for, its own weight.
 
-    Raises InputError for a structure that can move as a whole.
+    Raises InputError for a structure that can move as a whole, and for the weight of matrices that hold a part of
+    themselves and lack the mass beside it.
 
     Notes
     -----
@@ -79,6 +80,8 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     """
     assembly = without_walls(assembly)
     _refuse_free(assembly)
+    if weight:
+        refuse_unweighed(model, "z", "the weight")
     n = len(assembly.points) * N_COMPONENTS
     nodal = np.zeros(n)
     for probe, force in forces:

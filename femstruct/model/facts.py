@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
+from femstruct.errors import InputError
 from femstruct.model.model import Model
 
 
@@ -16,6 +17,19 @@ def part_masses(model: Model) -> dict[str, float]:
     for inert in model.inerts:
         masses[inert.name] = masses.get(inert.name, 0.0) + inert.total
     return {name: mass for name, mass in masses.items() if mass > 0}
+
+
+def refuse_unweighed(model: Model, axes: str, what: str) -> None:
+    """Raise InputError for parts that accelerations along some of the axes push as is not known."""
+    for name, part in model.parts.items():
+        if lost := [axis for axis in axes if axis in part.unweighed]:
+            raise InputError(
+                f"parts.{name}",
+                got=f"{what} of matrices that hold some of their nodes along {lost[0]}, and do not say what mass lies "
+                "between those and the rest",
+                expected="matrices without supports, a lumped mass matrix, or a file of femstruct export",
+                do="write the supports in the model",
+            )
 
 
 @dataclass(frozen=True, eq=False)

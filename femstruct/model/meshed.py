@@ -259,6 +259,18 @@ class Meshed(ABC):
         """Its stiffness by the loss factors of its layers, whose matrices add up to it; none where it has one."""
         return []
 
+    @property
+    def unweighed(self) -> tuple[str, ...]:
+        """Axes along which accelerations of all of it push it as is not known, of matrices that hold a part of
+        themselves: it has no weight along them, and its base cannot move."""
+        return ()
+
+    @property
+    def beside_mass(self) -> Floats | None:
+        """What unit accelerations of all of it along x, y, z push its degrees of freedom with beside its mass matrix
+        [n, 3] [kg]: of matrices that hold a part of themselves. None for nothing."""
+        return None
+
     def dashpots(self) -> csr_array | None:
         """Dashpots [n, n] on its degrees of freedom; None where it has none."""
         return None

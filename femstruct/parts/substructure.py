@@ -28,6 +28,7 @@ from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
 
 _SIX = 6
+UNWEIGHED = ". Nor do they say what mass lies between that and the rest: weight and motions of the base are refused"
 UNEVEN = 1e-3  # of the largest of the masses along x, y, z: files of few digits have less
 FLAT = 1e-9  # largest difference of the normals of cells in parallel planes
 RESISTS = 1e-4  # energy of a rigid motion, of that of the diagonal of K: two swapped nodes have 1e-3 to 6e-2
@@ -82,7 +83,7 @@ class Substructure(GivenNodes):
                 Finding(
                     "matrices-held",
                     f"{told} cannot shift as a whole, so something in them is held: that force on the ground is not "
-                    "recorded, and effective masses leave out what cannot move.",
+                    f"recorded{UNWEIGHED if one.unweighed else ''}.",
                     {"degrees_of_freedom": len(one.labels)},
                 ),
             )
@@ -224,6 +225,14 @@ class SubstructureMesh(Meshed):
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
         return self.part.component.K, self.part.component.M
+
+    @property
+    def unweighed(self) -> tuple[str, ...]:
+        return self.part.component.unweighed
+
+    @property
+    def beside_mass(self) -> Floats:
+        return self.part.component.beside_mass
 
     def shares(self) -> list[LossShare]:
         """As of the layers that it was of, unless one loss factor is given for all."""

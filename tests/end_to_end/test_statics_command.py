@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from femstruct.files.results_file.stored import read_results
 from tests.data.command_line import Ended, femstruct
 
 
@@ -128,3 +129,59 @@ def test_what_matrices_hold_inside_is_told(tmp_path: Path) -> None:
     text = HELD + "supports: {bolts: {at: hub, fix: [x, y, z]}}\n"
     (tmp_path / "m.yaml").write_text(text, encoding="utf-8")
     assert "held inside" not in statics(str(tmp_path / "m.yaml"), "--weight").stdout
+
+
+BEAM = """
+materials: {s: {E: 210 GPa, nu: 0.3, rho: 7850}}
+sections: {b: {shape: rectangle, width: 30 mm, height: 50 mm}}
+parts: {f: {type: frame, material: s, section: b, mesh: 1, element: euler, lines: [[[0, 0, 0], [2, 0, 0]]]}}
+points: {a: {on: f, at: [0, 0, 0]}, b: {on: f, at: [2, 0, 0]}, c: {on: f, at: [1, 0, 0]}}
+supports: {left: {at: a, fix: [x, y, z, rx]}, right: {at: b, fix: [y, z]}}
+damping: {ratio: 1 %}
+"""
+TAKEN = "parts: {f: {type: matrices, file: FILE}}\npoints: {c: {on: f, at: [1, 0, 0]}}\ndamping: {ratio: 1 %}\n"
+SHAKEN = """
+model: MODEL
+modes: {count: 2}
+record: {c.z: displacement}
+vibration: {h: {base: z, harmonic: [[0.5 Hz, 1 m/s^2], [2 Hz, 1 m/s^2]]}}
+"""
+
+
+@pytest.mark.parametrize("to", ["npz", "mtx"])
+def test_matrices_with_their_supports_weigh_what_the_structure_weighs(to: str, tmp_path: Path) -> None:
+    """Two elements: half of the mass is coupled to the held ends. 5 q L^4 / 384 E I, and the same on a shaken base."""
+    (tmp_path / "beam.yaml").write_text(BEAM, encoding="utf-8")
+    assert femstruct("export", tmp_path / "beam.yaml", "--to", to, "-o", tmp_path).returncode == 0
+    file = "beam.npz" if to == "npz" else "beam.json"
+    (tmp_path / "taken.yaml").write_text(TAKEN.replace("FILE", file), encoding="utf-8")
+    table = json.loads(femstruct("statics", tmp_path / "taken.yaml", "--weight", "--json").stdout)
+    exact = 5 * 7850 * 9.80665 * 0.03 * 0.05 * 2.0**4 / (384 * 210e9 * 0.03 * 0.05**3 / 12)
+    assert -table["points"]["c"][2] == pytest.approx(exact, rel=1e-9)  # of a solve: an Euler beam is exact at its nodes
+    found = []
+    for name in ("beam", "taken"):
+        (tmp_path / f"{name}.study.yaml").write_text(SHAKEN.replace("MODEL", f"{name}.yaml"), encoding="utf-8")
+        done = femstruct("run", tmp_path / f"{name}.study.yaml", "-o", tmp_path / name, "--no-pictures")
+        assert done.returncode in (0, 3), done.stdout
+        (case,) = read_results(tmp_path / name / "results.h5").cases.values()
+        found.append([one.largest for one in case.vibration["h"].answers.values()])
+    assert found[1] == pytest.approx(found[0], rel=1e-9)  # the same basis
+
+
+def test_the_weight_of_matrices_that_lack_what_supports_carry_is_refused(tmp_path: Path) -> None:
+    """Consistent masses of another program without the held node; lumped ones say all."""
+    place = {"nodes": [1, 2], "components": [2, 2], "points": [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]}
+    K = np.array([[2.0, -1.0], [-1.0, 1.0]]) * 1e5
+    (tmp_path / "m.yaml").write_text(TAKEN.replace("FILE", "bar.npz"), encoding="utf-8")
+    (tmp_path / "m.study.yaml").write_text(SHAKEN.replace("MODEL", "m.yaml"), encoding="utf-8")
+    np.savez(tmp_path / "bar.npz", M=np.array([[4.0, 1.0], [1.0, 2.0]]), K=K, **place)
+    for words in (("statics", tmp_path / "m.yaml", "--weight"), ("run", tmp_path / "m.study.yaml", "--no-pictures")):
+        done = femstruct(*words)
+        assert done.returncode == 2
+        told = " ".join((done.stdout + done.stderr).split())
+        assert "parts.f: got" in told and "of matrices that hold some of their nodes along z" in told
+        assert "write the supports in the model" in told
+    assert femstruct("statics", tmp_path / "m.yaml", "--force", "c.z=1 N").returncode == 0
+    np.savez(tmp_path / "bar.npz", M=np.diag([6.0, 3.0]), K=K, **place)
+    table = json.loads(femstruct("statics", tmp_path / "m.yaml", "--weight", "--json").stdout)
+    assert -table["points"]["c"][2] == pytest.approx(9.0 * 9.80665 / 1e5, rel=1e-9)  # of a solve

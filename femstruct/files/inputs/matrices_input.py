@@ -152,6 +152,8 @@ def read_component(
     paths = [Path(one) for one in path.values()] if isinstance(path, Mapping) else [Path(path)]
     data = content(paths[0], LARGEST, _WHAT)
     more: dict[str, Any] = {"interface": np.arange(len(assembly.points))}
+    if not isinstance(path, Mapping) and not is_foreign(paths[0], data):
+        more["momentum"] = assembly.momentum
     if data[:2] == b"PK":
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             more |= {name: file[name] for name in _OF_REDUCTIONS if name in file}

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import lsqr
 
@@ -33,7 +34,12 @@ class Component:
     reduction; None for a whole structure. sets : nodes of the interface by the name of what touched them when it was
     reduced, as a support.
 
+    momentum [3, r] : of all of it, along x, y, z, when each degree of freedom moves at unit rate and, of matrices that
+    were exported with their supports, with the mass that they couple to what is held; None, M times the translations.
+
     translations [r, 3] : what shifts all of it along x, y, z. free : whether there are such, nothing inside being held.
+    unweighed : axes along which its momentum is not known: some of its nodes are held along them, and M, which has mass
+    between nodes, does not say how much lies between those and the rest.
 
     One mass of 2 kg on a spring along z:
 
@@ -63,8 +69,10 @@ class Component:
     shares: tuple[LossShare, ...] = ()
     reduced_to_hz: float | None = None
     sets: Mapping[str, Integers] = field(default_factory=dict)
+    momentum: Floats | None = None
     translations: Floats = field(init=False)
     free: bool = field(init=False)
+    unweighed: tuple[str, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         points = frozen("component points", self.points, (None, 3))
@@ -78,7 +86,10 @@ class Component:
         strange = [name for name, nodes in self.sets.items() if not np.isin(nodes, self.interface).all()]
         if strange:
             raise FemstructError(f"component set '{strange[0]}'", got="other nodes", expected="nodes of the interface")
-        translations, free = _translations(self.motion, len(points))
+        translations, shifts = _translations(self.motion, len(points))
+        free = bool(shifts.all())
+        partly = ~shifts & (np.abs(translations).max(axis=0, initial=0.0) > 0.0)
+        known = self.momentum is not None or not partly.any() or _lumped(self.M, self.motion)
         freeze(
             self,
             points=points,
@@ -88,14 +99,36 @@ class Component:
             axes=frozen("component axes", self.axes, (None, 3)),
             beside=frozen("component beside", self.beside, (None, 3)),
             sets={name: frozen_integers(f"component set '{name}'", one, (None,)) for name, one in self.sets.items()},
+            momentum=None if self.momentum is None else frozen("component momentum", self.momentum, (3, r)),
             translations=frozen("component translations", translations, (r, 3)),
             free=free,
+            unweighed=() if known else tuple(axis for axis, one in zip("xyz", partly, strict=True) if one),
         )
+
+    @property
+    def beside_mass(self) -> Floats:
+        """What unit accelerations of all of it push its degrees of freedom with beside M [r, 3] [kg]: the mass that
+        they couple to what is held."""
+        if self.momentum is None or self.free:
+            return np.zeros_like(self.translations)
+        return np.asarray(self.momentum.T - self.M @ self.translations)
 
     @property
     def reduced(self) -> bool:
         """Whether it is a reduction."""
         return self.reduced_to_hz is not None
+
+
+def _lumped(M: csr_array, motion: csr_array) -> bool:
+    """Whether no mass lies between two nodes."""
+    moves = motion.tocsc()
+    node = np.full(M.shape[0], -1)
+    for dof in range(M.shape[0]):
+        rows = moves.indices[moves.indptr[dof] : moves.indptr[dof + 1]] // N_COMPONENTS
+        node[dof] = rows[0] if len(rows) and (rows == rows[0]).all() else -1 - dof
+    entries = M.tocoo()
+    row, column = entries.coords
+    return bool((node[row] == node[column])[entries.data != 0.0].all())
 
 
 def rigid_masses(component: Component) -> Floats:
@@ -143,28 +176,29 @@ def _rotation(component: Component, axis: Floats) -> Floats | None:
     wanted[:, 3:6] *= moves[:, 3:6]
     size = float(np.linalg.norm(wanted))
     answer, off = _fitted(rows, wanted.reshape(-1, 1))
-    return answer[:, 0] if size > 0.0 and off < _FITS * size else None
+    return answer[:, 0] if size > 0.0 and off[0] < _FITS * size else None
 
 
-def _translations(motion: csr_array, n_nodes: int) -> tuple[Floats, bool]:
-    """Degrees of freedom of unit shifts of all nodes [r, 3], and whether there are such: nothing inside is held."""
+def _translations(motion: csr_array, n_nodes: int) -> tuple[Floats, NDArray[np.bool_]]:
+    """Degrees of freedom of unit shifts of all nodes along x, y, z [r, 3], and whether there are such [3]: nothing
+    inside is held."""
     shifts = np.zeros((n_nodes, N_COMPONENTS, 3))
     shifts[:, :3] = np.eye(3)
     found, off = _fitted(motion, shifts.reshape(-1, 3))
     return found, off < _FITS * n_nodes**0.5
 
 
-def _fitted(motion: csr_array, wanted: Floats) -> tuple[Floats, float]:
-    """Degrees of freedom [r, k] that move nodes as wanted [n_nodes * 7, k], and the largest residual of the k.
+def _fitted(motion: csr_array, wanted: Floats) -> tuple[Floats, Floats]:
+    """Degrees of freedom [r, k] that move nodes as wanted [n_nodes * 7, k], and what each of them misses [k].
 
     By least squares; columns are scaled, since modal coordinates have other units than displacements.
     """
     size = np.sqrt(np.asarray(motion.multiply(motion).sum(axis=0)).ravel())
     scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
     scaled = csr_array(motion.multiply(scale[None, :]))
-    found, worst = [], 0.0
+    found, off = [], []
     for one in wanted.T:
         answer, _, _, rest, *_ = lsqr(scaled, one, atol=_EXACT, btol=_EXACT, iter_lim=10 * motion.shape[1] + 100)
-        worst = max(worst, float(rest))
+        off.append(float(rest))
         found.append(scale * answer)
-    return np.stack(found, axis=1), worst
+    return np.stack(found, axis=1), np.array(off)

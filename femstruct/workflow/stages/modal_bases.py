@@ -12,6 +12,7 @@ from femstruct.modal.analytic import beam, given_modes, oscillator, rod
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import carry_damping, with_damping
 from femstruct.modal.reduction import modal_basis
+from femstruct.model.facts import refuse_unweighed
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.probe import Point, Probe
@@ -100,6 +101,7 @@ def solve(structure: StructureModel, extent: Extent, studies: Sequence[Study] = 
         # A structure of a few rigid blocks has fewer modes than anyone asks for: then all there are.
         count = None if extent.count is None else min(extent.count, assembly.K.shape[0])
         base = _shaken(studies)
+        refuse_unweighed(model, "".join(base), "a motion of the base")
         basis = modal_basis(
             assembly, up_to=extent.up_to_hz, count=count, probes=[probes[name] for name in sorted(probes)], base=base
         )

@@ -18,7 +18,7 @@ _FALLS = 1e-6  # of the mass: what rigid modes may carry of it upwards and still
 
 def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
     """Static sags of all parts but those that are only nodes of others, as attachments; none for a structure that
-    nothing holds up.
+    nothing holds up, or whose weight matrices do not say.
 
     basis : in vacuo; it tells what is free to move.
 
@@ -27,6 +27,8 @@ def sags(model: Model, basis: ModalBasis) -> tuple[Sag, ...]:
     One static solution (`sunk`). A structure that is free to slide or turn has none: then the sum over the modes of the
     basis, each by what of the weight it carries, and nothing where they carry less than `CARRIED` of it.
     """
+    if any("z" in part.unweighed for part in model.parts.values()):
+        return ()
     moved = _slid(basis) if (basis.omega == 0.0).any() else sunk(assemble(model), held=True)
     if moved is None:
         return ()
