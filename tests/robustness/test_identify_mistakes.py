@@ -78,6 +78,10 @@ def test_decimal_commas_of_frequencies_lose_nothing(text: str, tmp_path: Path) -
     [
         ("frequency_hz\n", r"m\.csv:1:1: got 1 lines, expected 'frequency_hz' and pairs of columns"),
         ("f, speed\n10, 1\n", r"m\.csv:1:1: got 'speed', expected 'frequency_hz' and pairs"),
+        (
+            f"f,{RESPONSE} real,{RESPONSE} imag,{RESPONSE} real\n10,1,2,3\n",
+            r"m\.csv:1:1: got two columns '.* real', expected one of each name",
+        ),
         (f"f,{RESPONSE} real\n10,1\n", r"m\.csv:1:1: got 'accelerance Q\.z / P\.z' without its real or imag column"),
         ("f,mobility Q.z / P.z [g] real\n10,1\n", r"m\.csv:1:1: got a mobility in 'g', expected one in m/\(N s\)"),
         (
@@ -106,6 +110,7 @@ def test_tables_of_responses(text: str, expected: str, tmp_path: Path) -> None:
             "Hz,attic.mic\n63,50\n",
             r"--levels: got '.*m\.csv' with columns attic\.mic, expected a column hall\.mic",
         ),
+        ("Hz,hall.mic,hall.mic bands_db\n63,50,51\n", r"m\.csv:1:1: got two columns of hall\.mic, expected one"),
         ("Hz,soft: hall.mic bands_db\n63,50\n", "of the case 'as given', which is fitted"),
         ("Hz,hall.mic\n60,50\n", r"m\.csv:2:1: got a band of '60', expected a nominal octave or third octave"),
         ("Hz,hall.mic\n63,50\n63,51\n", r"m\.csv:3:1: got '63', expected a third octave or octave, .* each once"),

@@ -342,6 +342,9 @@ def test_an_included_file_stands_in_its_place(tmp_path: Path) -> None:
     (tmp_path / "nodes.inp").write_text(nodes, encoding="utf-8")
     mesh = mesh_of(tmp_path, "a.inp", f"{head}*INCLUDE, INPUT=nodes.inp\n{rest}")
     assert mesh.points.shape == (6, 3)
+    sources: dict[str, str] = {}
+    read_mesh_file(tmp_path / "a.inp", sources=sources)
+    assert [Path(one).name for one in sources] == ["nodes.inp", "a.inp"]  # whoever changes it changes the mesh
     (tmp_path / "nodes.inp").write_text(nodes.replace("200.", "2OO."), encoding="utf-8")
     with pytest.raises(InputError, match=r"nodes\.inp:3:1: got '2OO\., 0\., 0\.', expected numbers"):
         read_mesh_file(tmp_path / "a.inp")
@@ -367,6 +370,15 @@ def test_values_of_arrays_of_vtk_name_sets_and_cells_that_meshio_drops_are_refus
     voxel.save(tmp_path / "b.vtu")
     with pytest.raises(InputError, match=r"with 1 cells, of which 0 could be read"):
         read_mesh_file(tmp_path / "b.vtu")
+
+
+def test_a_grid_of_vtk_that_cannot_be_read_says_why(tmp_path: Path) -> None:
+    grid = (
+        '<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid><Piece NumberOfCells="1"/></UnstructuredGrid>'
+    )
+    (tmp_path / "c.vtu").write_text(grid, encoding="utf-8")
+    with pytest.raises(InputError, match=r"'c\.vtu', an unstructured grid that meshio cannot read \(.+\), expected"):
+        read_mesh_file(tmp_path / "c.vtu")
 
 
 MISTAKES = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ class Gathered(NamedTuple):
 
     nodes [n], points [n, 3]; blocks of cells, whose numbers differ; node_sets, cell_sets : numbers by name.
     stated : with numbers in place of rows. repeats : cells of the same nodes are one, as where a file names an element
-    once for each of its groups.
+    once for each of its groups. included : other files that it names, whose text is part of it.
     """
 
     nodes: Integers
@@ -36,6 +37,7 @@ class Gathered(NamedTuple):
     cell_sets: Mapping[str, Integers]
     stated: Stated = Stated()
     repeats: bool = False
+    included: tuple[Path, ...] = ()
 
 
 def imported(source: str, found: Gathered, scale: float) -> ImportedMesh:

@@ -35,7 +35,7 @@ def read_mesh_file(path: str | Path, scale: float = 1.0, sources: dict[str, str]
     files (.unv, .uff), VTK (.vtu).
 
     scale : metres in the file's unit of length, 0.001 of one in millimetres. sources : is given a digest of the file
-    under its name.
+    under its name, and of those that it includes.
 
     Raises InputError, and InputErrors with the line where the format is text.
 
@@ -54,13 +54,17 @@ def read_mesh_file(path: str | Path, scale: float = 1.0, sources: dict[str, str]
         raise InputError("", got=f"'{path.name}'", expected=f"a mesh file: {', '.join(_READERS)}")
     data = content(path, LARGEST, "a mesh file, named from the model's folder")
     try:
-        mesh = imported(path.name, reader(path, data), scale)
+        found = reader(path, data)
+        mesh = imported(path.name, found, scale)
     except InputErrors:
         raise
     except FemstructError as error:  # numbers that are none, too
         got = error.got if path.name in error.got else f"'{path.name}' with {error.got}"
         raise InputError("", got=got, expected=error.expected, do=error.do) from None
     if sources is not None:
+        for other in found.included:
+            digest = hashlib.sha256(content(other, LARGEST, "an included file")).hexdigest()
+            sources[str(other)] = f"sha256 {digest}, included by {path.name}\n"
         cells = ", ".join(f"{len(some)} {kind}" for kind, some in mesh.cells.items()) or "no cells"
         digest = hashlib.sha256(data).hexdigest()
         sources[str(path)] = f"sha256 {digest}, {cells}, {len(mesh.points)} nodes, sets {', '.join(mesh.set_names)}\n"

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from femstruct.arrays import Integers
-from femstruct.errors import InputError
+from femstruct.errors import InputError, cut
 from femstruct.model.imported.gathering import Block, Gathered
 
 _KINDS: Final = {
@@ -29,13 +29,23 @@ def read_vtu(path: Path, data: bytes) -> Gathered:
     """
     import meshio  # type: ignore[import-untyped]
 
+    told = io.StringIO()
     try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
             mesh = meshio.read(path, file_format="vtu")
         blocks = [(block.type, np.asarray(block.data)) for block in mesh.cells]
         points = np.asarray(mesh.points, dtype=np.float64)
-    except (Exception, SystemExit):  # meshio says in all these ways that it cannot read a file
-        raise InputError("", got=f"'{path.name}', which is no unstructured grid", expected="a .vtu file") from None
+    except (Exception, SystemExit) as error:  # meshio says in all these ways that it cannot read a file
+        if b"UnstructuredGrid" not in data:
+            raise InputError("", got=f"'{path.name}', which is no unstructured grid", expected="a .vtu file") from None
+        kind = "" if isinstance(error, SystemExit | AssertionError) else type(error).__name__
+        words = " ".join(str(error).split()) if not isinstance(error, SystemExit) else " ".join(told.getvalue().split())
+        why = ": ".join(one for one in (kind, cut(words, 120)) if one) or "no reason given"
+        raise InputError(
+            "",
+            got=f"'{path.name}', an unstructured grid that meshio cannot read ({why})",
+            expected="lines, triangles, quadrilaterals, ..., hexahedra, as PyVista or ParaView write them",
+        ) from None
     found = sum(len(some) for _, some in blocks)
     stated = [int(number) for number in re.findall(rb'NumberOfCells="\s*(\d+)"', data)]
     if stated and sum(stated) != found:

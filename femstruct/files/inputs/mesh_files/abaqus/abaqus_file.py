@@ -67,7 +67,8 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
     out, as the tables of `words` have it. Raises InputErrors with file and line.
     """
     deck = Deck()
-    keywords = _keywords(path, data, 0, [])
+    keywords: list[Keyword] = []
+    files = _keywords(path, data, 0, keywords)
     for keyword in keywords:
         if keyword.word in _FIRST:
             _take(keyword, deck)
@@ -109,6 +110,7 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
         {name: np.concatenate(some) for name, some in deck.node_sets.items() if some},
         cell_sets,
         stated,
+        included=files,
     )
 
 
@@ -150,10 +152,11 @@ def _preload(keywords: list[Keyword], deck: Deck) -> None:
             deck.left_out.add(f"*{keyword.written} after a step of loads", Makes.PRELOAD, what, start)
 
 
-def _keywords(path: Path, data: bytes, depth: int, found: list[Keyword]) -> list[Keyword]:
-    """All keywords with their data lines, behind those that are found already; included files stand in their places,
-    also within the data of a keyword."""
+def _keywords(path: Path, data: bytes, depth: int, found: list[Keyword]) -> tuple[Path, ...]:
+    """Put all keywords with their data lines behind those that are found already; included files, which are returned,
+    stand in their places, also within the data of a keyword."""
     pending = ""
+    included: tuple[Path, ...] = ()
     for number, line in enumerate(lines_of(path, data), 1):
         if line.lstrip(" \t>").startswith("**") or not line.strip():
             continue
@@ -177,12 +180,13 @@ def _keywords(path: Path, data: bytes, depth: int, found: list[Keyword]) -> list
             raise wrong_line(path, number, "files that include each other", "an end to it")
         try:
             inner = beside(str(path), keyword.option("INPUT"))
-            _keywords(inner, content(inner, LARGEST, "an included file"), depth + 1, found)
+            more = _keywords(inner, content(inner, LARGEST, "an included file"), depth + 1, found)
+            included = (*included, inner, *more)
         except InputError as error:
             if getattr(error, "errors", ()):
                 raise
             raise wrong_line(path, number, error.got, error.expected, error.do) from None
-    return found
+    return included
 
 
 def _take(keyword: Keyword, deck: Deck) -> None:

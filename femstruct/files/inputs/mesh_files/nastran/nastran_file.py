@@ -95,7 +95,9 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
         _take(card, bulk, control)
     if not bulk.numbers:
         raise InputError("", got=f"'{path.name}' without GRID", expected="a bulk data file with nodes and elements")
-    return _gathered(bulk)
+    every = [*(one.path for one in lines), *(card.path for card in cards)]
+    files = [one for one in dict.fromkeys(every) if one != path]
+    return _gathered(bulk)._replace(included=tuple(files))
 
 
 def _take(card: Card, bulk: Bulk, control: Control) -> None:
