@@ -47,7 +47,8 @@ class Channel:
 
     by_modes : the same peaks of the motion of a point in its true modes, without residual vectors; None for what is no
     such motion, or where there are none; of a stress likewise. stressed : of a stress, which is the largest anywhere in
-    its part at each time, where it is largest ever.
+    its part at each time, where it is largest ever. struck : False where nothing meets: there is no first impact,
+    tables have the peak of the whole window alone, and that alone is judged.
     """
 
     name: str
@@ -57,3 +58,4 @@ class Channel:
     whole: float
     by_modes: tuple[float, float] | None = None
     stressed: LargestStress | None = None
+    struck: bool = True

@@ -274,3 +274,24 @@ def test_levels_in_a_room_under_a_structure_without_damping_forbid_trust(tmp_pat
     (some,) = (one for one in [undamped(tmp_path, "{modes: {1: {ratio: 1 %, near: 110 Hz}}}", ROOM % "")] if one)
     assert not air["severe"] and not some["severe"]
     assert femstruct("check", tmp_path / "hit.study.yaml").returncode == 0
+
+
+def test_a_peak_is_judged_and_quoted_in_the_window_of_the_table(tmp_path: Path) -> None:
+    """Where nothing meets there is no first impact: a tick at the start, all of residual vectors, is in no table."""
+    plate(tmp_path)
+    path = study(
+        tmp_path,
+        "model: plate.yaml\nmodes: {up_to: 800 Hz}\nrecord: {a.z: [velocity, acceleration]}\n"
+        "loads:\n  tick: {at: a.z, half_sine: {amplitude: 1 N, frequency: 2 kHz}}\n"
+        "  push: {at: a.z, half_sine: {amplitude: 100 N, frequency: 180 Hz}, first: 50 ms}\n"
+        "time: {duration: 0.2 s, sampling: 20 kHz}\n",
+    )
+    result = run_study(read_study(path)).cases["as given"]
+    for name, apart in (("a.z velocity", False), ("a.z acceleration", True)):
+        channel = result.channels[name]
+        assert channel.by_modes is not None
+        first, whole = zip((channel.first_impact, channel.whole), channel.by_modes, strict=True)
+        assert max(first) > 1.05 * min(first) and max(first) < 0.5 * min(whole)  # what was judged, and quoted
+        told = [one for one in result.findings if one.code == "peak-not-converged" and one.message.startswith(name)]
+        assert (max(whole) > 1.05 * min(whole), bool(told)) == (apart, apart)
+        assert all(one.values["peak"] == channel.whole and "impact" not in one.message for one in told)

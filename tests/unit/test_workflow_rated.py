@@ -91,6 +91,33 @@ def test_what_hammers_keep_of_their_speed_is_told(tmp_path: Path) -> None:
     assert found["lower_db"] == pytest.approx(20 * np.log10(1 + found["restitution"]))
 
 
+CHIPBOARD = """
+materials: {chipboard: {E: 3.347 GPa, nu: 0.3, rho: 760, loss_factor: 3 %}}
+parts: {board: {type: plate, material: chipboard, thickness: 22 mm, origin: [0, 0, 0], size: [1.2, 1], mesh: 100 mm}}
+supports: {rim: {on: board, edge: all, fix: simple}}
+points: {feet: {on: board, side: above, at: [[0.4, 0.5], [0.5, 0.5], [0.6, 0.5], [0.7, 0.5], [0.8, 0.5]]}}
+damping: {from: materials}
+"""
+
+
+def test_hammers_that_a_light_floor_meets_again_are_told_by_the_whole_blow(tmp_path: Path) -> None:
+    """Without weight a hammer keeps what the impulse of all touches of its blow leaves it: e = I / (m v) - 1."""
+    (tmp_path / "model.yaml").write_text(CHIPBOARD, encoding="utf-8")
+    (tmp_path / "one.study.yaml").write_text(
+        "model: model.yaml\nmodes: {up_to: 500 Hz}\ntime: {duration: 0.3 s, sampling: 200 kHz, gravity: false}\n"
+        "bodies: {hammer: {source: tapping machine, above: feet, contact: {type: linear, stiffness: 50 MN/m}}}\n"
+        "record: {" + ", ".join(f"hammer.{i} on feet.{i}: force" for i in range(1, 6)) + "}\n",
+        encoding="utf-8",
+    )
+    case = run_study(read_study(tmp_path / "one.study.yaml")).cases["as given"]
+    assert case.response is not None and case.response.contacts["hammer.1 on feet.1"].closings > 1
+    forces = [case.channels[f"hammer.{i} on feet.{i} force"].values for i in range(1, 6)]
+    impulse = float(np.mean(np.trapezoid(forces, dx=1.0 / 200e3, axis=1)))
+    (told,) = [found for found in case.findings if found.code == "hammers-rebound"]
+    # trapezes of 24 samples a touch or more
+    assert told.values["restitution"] == pytest.approx(impulse / (0.5 * 0.886) - 1.0, abs=5e-3)
+
+
 @pytest.mark.parametrize(
     ("after", "told"),
     [(0.8, "5.1 dB lower to 0.9 dB higher"), (-0.05, "may give levels 0.4 dB to 6.5 dB higher")],
@@ -99,7 +126,9 @@ def test_a_floor_that_gives_way_to_a_hammer_has_no_level_lower_by_less_than_noth
     """20 lg(1 + e) below and 20 lg(2 / (1 + e)) above; a hammer that still moves down when it is let go has e < 0."""
     hammer = SimpleNamespace(name="h.1", target="feet.1", source=TAPPING_MACHINE, speed=2.0)
     response: Any = SimpleNamespace(
-        contacts={"h.1 on feet.1": SimpleNamespace(first_open=0.1)},
+        contacts={"h.1 on feet.1": SimpleNamespace(first_open=0.1, closings=1)},
+        events=[SimpleNamespace(t=0.1, contact="h.1 on feet.1", what="opens")],
+        blows=[],
         clock=SimpleNamespace(sampling=10.0),
         t=np.arange(3.0),
         bodies={"h.1": SimpleNamespace(velocity=np.full(3, 2.0 * after))},

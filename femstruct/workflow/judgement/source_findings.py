@@ -12,6 +12,8 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.study.acting import PlacedBody
 from femstruct.study.study import Study
 
+SAME = 1e-6  # of an interval: rounding of times
+
 
 def source_findings(study: Study, response: Response) -> tuple[Finding, ...]:
     """Sources whose force exposure, restitution or contact time leaves the table of their standard, and how tapping
@@ -29,9 +31,8 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
     kept: dict[str, list[float]] = {}
     for body in study.bodies:
         contact = response.contacts.get(f"{body.name} on {body.target}")
-        if body.source == TAPPING_MACHINE and contact is not None and contact.first_open is not None:
-            after = min(int(np.ceil(contact.first_open * response.clock.sampling)), len(response.t) - 1)
-            velocity = float(response.bodies[body.name].velocity[after])
+        if body.source == TAPPING_MACHINE and contact is not None and contact.closings:
+            velocity = _after_blow(body.name, f"{body.name} on {body.target}", response)
             kept.setdefault(body.name.rpartition(".")[0], []).append(velocity / body.speed)
     found = []
     for machine, shares in kept.items():
@@ -48,6 +49,18 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
             )
         )
     return found
+
+
+def _after_blow(body: str, contact: str, response: Response) -> float:
+    """Velocity with which a body leaves at the end of its first blow [m/s]: a light floor that comes back meets it
+    again before that. Where the contact stays closed, the velocity just before it is lifted."""
+    lifted = min((one.t for one in response.blows if one.body == body and one.number == 2), default=float("inf"))
+    left = [one for one in response.events if one.contact == contact and one.t < lifted]
+    last = min(lifted, float(response.t[-1]))
+    at = left[-1].t if left and left[-1].what == "opens" else last
+    after = int(np.ceil(at * response.clock.sampling - SAME))
+    before = int(np.ceil(last * response.clock.sampling - SAME)) - (lifted <= response.t[-1])
+    return float(response.bodies[body].velocity[max(min(after, before), 0)])
 
 
 def walking_findings(study: Study, basis: ModalBasis) -> tuple[Finding, ...]:

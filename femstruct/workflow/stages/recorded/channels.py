@@ -99,7 +99,10 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
         pair = peaks.of(moved(moves, what, row * true), rest.get(name, AT_REST))
         by_modes = pair if moving is None else raised(pair, moved(moving, what, row * true))
         channels[name] = replace(channels[name], by_modes=by_modes)
-    return channels | _stresses(stresses, study.peaks, places, response, seen, moving) if stresses else channels
+    if stresses:
+        channels |= _stresses(stresses, study.peaks, places, response, seen, moving)
+    met = bool(response.contacts)
+    return channels if met else {name: replace(channel, struck=False) for name, channel in channels.items()}
 
 
 def _stresses(

@@ -128,15 +128,17 @@ def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
     for name, channel in channels.items():
         if channel.by_modes is None:
             continue
-        peak, alone = max(_both(channel), key=_apart)
+        pairs = _both(channel)
+        peak, alone = max(pairs, key=_apart)
+        window = " in the first impact" if (peak, alone) != pairs[0] else ""
         if _apart((peak, alone)) > CONVERGED:
             factor, unit = readable(channel.unit, max(peak, alone))
             yield Finding(
                 "peak-not-converged",
-                f"{name}: do not quote its peak. It is {factor * peak:.4g} {unit}, and {factor * alone:.4g} {unit} "
-                "without the residual vectors (the static correction for the modes that are left out), so it changes "
-                "with the number of modes and with the mesh. Give the study 'peaks: {lowpass: F}' with F below "
-                "the last mode",
+                f"{name}: do not quote its peak{window}. It is {factor * peak:.4g} {unit}, and "
+                f"{factor * alone:.4g} {unit} without the residual vectors (the static correction for the modes that "
+                "are left out), so it changes with the number of modes and with the mesh. Give the study "
+                "'peaks: {lowpass: F}' with F below the last mode",
                 {"peak": peak, "modes_alone": alone, "apart": _apart((peak, alone)), "allowed": CONVERGED},
             )
 
@@ -161,9 +163,7 @@ def two_changes(before: Channel, after: Channel) -> tuple[float, float] | None:
         return None
     changes = [
         (100.0 * (then / peak - 1.0), 100.0 * (alone_then / alone - 1.0))
-        for peak, then, alone, alone_then in zip(
-            _peaks(before), _peaks(after), before.by_modes, after.by_modes, strict=True
-        )
+        for (peak, alone), (then, alone_then) in zip(_both(before), _both(after), strict=False)
         if peak > 0.0 and alone > 0.0
     ]
     return max(changes, key=lambda change: abs(change[0] - change[1]), default=None)
@@ -174,14 +174,11 @@ def agree(changes: tuple[float, float]) -> bool:
     return abs(changes[0] - changes[1]) <= CHANGED
 
 
-def _peaks(channel: Channel) -> tuple[float, float]:
-    return channel.first_impact, channel.whole
-
-
 def _both(channel: Channel) -> list[tuple[float, float]]:
-    """Its peaks with residual vectors and without."""
+    """Its peaks with residual vectors and without, of the windows that tables have: the whole one first."""
     assert channel.by_modes is not None
-    return list(zip(_peaks(channel), channel.by_modes, strict=True))
+    first, whole = zip((channel.first_impact, channel.whole), channel.by_modes, strict=True)
+    return [whole, first] if channel.struck else [whole]
 
 
 def _apart(peaks: tuple[float, float]) -> float:
