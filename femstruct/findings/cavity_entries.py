@@ -71,7 +71,7 @@ CAVITIES: Final = (
         "cavity-depth",
         "The depth of a cavity is not the distance of its surfaces.",
         LIMITS,
-        "they differ by more than the threshold; half the thickness of what has the surfaces may be taken off",
+        "they differ by more than the threshold, from face to face",
         "Correct the depth, or the place of the parts.",
         (Limit(0.2, "% of the distance", "10 % of a frequency on the air", CHOSEN, "placed_cavity.DEPTH"),),
     ),

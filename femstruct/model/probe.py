@@ -123,6 +123,8 @@ class Surface:
     along [2, 3] : unit vectors of its first and second direction, in which a room beside it is measured.
     outline [n, 3] : corners round it [m].
     rows [p, n_nodes * 7] : displacement along the normal at the points, from the nodal components.
+    out : from the points to the face of the part, along the normals, in the mean: half a thickness of plates and
+    shells, whose points are on their mid-surfaces [m].
 
     The underside of a rigid square of 2 m, of one node that moves along z; the room is below:
 
@@ -141,6 +143,7 @@ class Surface:
     along: Floats
     outline: Floats
     rows: csr_array
+    out: float = 0.0
 
     def __post_init__(self) -> None:
         points = frozen(f"surfaces.{self.name} points", self.points, (None, 3))

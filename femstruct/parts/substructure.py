@@ -288,7 +288,7 @@ class SubstructureMesh(Meshed):
             nodes, rows = rows_at(flat, which, xi, eta)
             return self.first + flat.rows[nodes], rows
 
-        return side_surface(item, self.name, flat, chosen, motion, n_nodes)
+        return side_surface(item, self.name, flat, chosen, motion, n_nodes, (self.depth, 0.0))
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         one = self.part.component

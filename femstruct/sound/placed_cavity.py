@@ -23,7 +23,7 @@ from femstruct.model.probe import Surface
 PARALLEL: Final = 0.9998  # cosine of 1 degree between a surface's normals and the depth
 OVERLAP: Final = 0.5  # of the sides of the larger surface that the two must share
 SAME: Final = 0.01  # of a side: surfaces that differ less are one rectangle
-DEPTH: Final = 0.2  # of the distance of the surfaces: half the thickness of what has them may be taken off
+DEPTH: Final = 0.2  # of the distance of the faces
 FILLED: Final = 0.02  # of a rectangle's area that its points may miss
 TWICE: Final = 0.5  # of what the smaller of two cavities has of a surface: neighbours share points of an edge
 _NEAR: Final = 1e-9
@@ -149,7 +149,7 @@ def _corners(pair: tuple[Surface, Surface]) -> list[Floats]:
 
 
 def _distance(where: str, pair: tuple[Surface, Surface]) -> float:
-    """Distance of two parallel surfaces that face each other [m]."""
+    """Distance of two parallel surfaces that face each other, from face to face [m]; negative where they overlap."""
     first, second = pair
     inwards = first.normal
     for one, normal in ((first, inwards), (second, -inwards)):
@@ -170,7 +170,7 @@ def _distance(where: str, pair: tuple[Surface, Surface]) -> float:
             expected="surfaces that face each other",
             do="choose the other side of both",
         )
-    return distance
+    return distance - first.out - second.out
 
 
 def _check_rectangles(where: str, pair: tuple[Surface, Surface], sides: list[Floats], shared: Floats) -> None:
@@ -209,14 +209,15 @@ def _sizes(name: str, sides: list[Floats], shared: Floats) -> tuple[Finding, ...
 
 
 def _depths(between: AirBetween, distance: float) -> tuple[Finding, ...]:
-    miss = abs(between.depth / distance - 1.0)
+    miss = abs(between.depth / distance - 1.0) if distance > 0.0 else float("inf")
     if miss <= DEPTH:
         return ()
+    lie = f"are {1000 * distance:.4g} mm apart" if distance > 0.0 else f"overlap by {-1000 * distance:.4g} mm"
     return (
         Finding(
             "cavity-depth",
-            f"The depth of {between.name} is {1000 * between.depth:.4g} mm, but its surfaces are {1000 * distance:.4g} "
-            "mm apart. The air is as stiff as the depth says",
+            f"The depth of {between.name} is {1000 * between.depth:.4g} mm, but its surfaces {lie}, from face to face. "
+            "The air is as stiff as the depth says",
             {"depth_m": between.depth, "distance_m": distance, "miss": miss, "allowed": DEPTH},
         ),
     )

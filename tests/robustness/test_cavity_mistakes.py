@@ -202,3 +202,55 @@ def test_what_knows_the_structure_alone_refuses_its_air(tmp_path: Path) -> None:
     for to in formats:
         with pytest.raises(FemstructError, match=r"got a model with cavities, expected a structure without air"):
             exported(file, to, tmp_path, None, (), "", lambda line: None)
+
+
+THICK = """\
+title: void of {depth}
+materials: {{c: {{E: 30 GPa, nu: 0.2, rho: 2400}}, g: {{E: 2.5 GPa, nu: 0.3, rho: 900}}}}
+parts:
+  upper: {upper}
+  lower: {lower}
+surfaces: {{under: {{on: upper, side: below}}, top: {{on: lower, side: above}}}}
+cavities: {{void: {{between: [under, top], depth: {depth}}}}}
+supports: {{rim: {{on: upper, fix: [x, y, z, rx, ry]}}, edge: {{on: lower, fix: [x, y, z, rx, ry]}}}}
+damping: {{loss_factor: 2 %}}
+"""
+OUTLINE = "outline: [[0, 0], [2, 0], [2, 1], [0, 1]], mesh: 250 mm"
+UPPER = {  # faces 100 mm above the lower part's
+    "plate": "{type: plate, material: c, thickness: 300 mm, origin: [0, 0, 2.75], size: [2, 1], mesh: 250 mm}",
+    "slab": f"{{type: slab, material: c, thickness: 300 mm, origin: [0, 0, 2.75], {OUTLINE}}}",
+    "slab, raised": f"{{type: slab, material: c, thickness: 300 mm, origin: [0, 0, 2.65], offset: 0.1, {OUTLINE}}}",
+    "slab, turned": (
+        "{type: slab, material: c, thickness: 300 mm, origin: [0, 1, 2.8], offset: 50 mm, normal: [0, 0, -1], "
+        f"x_direction: [1, 0, 0], {OUTLINE}}}"
+    ),
+}
+LOWER = "{type: plate, material: g, thickness: 25 mm, origin: [0, 0, 2.4875], size: [2, 1], mesh: 250 mm}"
+
+
+@pytest.mark.parametrize("upper", UPPER)
+def test_a_cavity_is_as_deep_as_its_faces_are_apart(tmp_path: Path, upper: str) -> None:
+    """Its mid-surfaces are 262.5 mm apart, which was said of a void of the right depth."""
+    told = {}
+    for depth in ("100 mm", "262.5 mm"):
+        file = tmp_path / "model.yaml"
+        file.write_text(THICK.format(depth=depth, upper=UPPER[upper], lower=LOWER), encoding="utf-8")
+        structure = read_model_file(file).structure
+        assert isinstance(structure, Structure)
+        found = structure_findings_before(structure, mesh_structure(structure))
+        told[depth] = [one for one in found if one.code == "cavity-depth"]
+    assert not told["100 mm"]
+    (finding,) = told["262.5 mm"]
+    assert finding.values["distance_m"] == pytest.approx(0.1, rel=1e-9)  # rounding of coordinates
+    assert "are 100 mm apart, from face to face" in finding.message
+
+
+def test_faces_that_overlap_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "model.yaml"
+    low = UPPER["plate"].replace("2.75", "2.5875")
+    file.write_text(THICK.format(depth="100 mm", upper=low, lower=LOWER), encoding="utf-8")
+    structure = read_model_file(file).structure
+    assert isinstance(structure, Structure)
+    found = structure_findings_before(structure, mesh_structure(structure))
+    (finding,) = (one for one in found if one.code == "cavity-depth")
+    assert "its surfaces overlap by 62.5 mm" in finding.message

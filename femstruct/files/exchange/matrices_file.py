@@ -32,8 +32,8 @@ _ABOUT: Final = {
     "K": "stiffness",
     "T": f"row {N_COMPONENTS} i + j: component j ({', '.join(COMPONENTS)}) of node i, from 0",
     "nodes, components": "of each degree of freedom; -1 where it moves no component alone, as of a rigid body",
-    "momentum": "3 rows: of the structure when each degree of freedom moves at unit rate, along x, y, z, with the mass that "
-    "couples it to held nodes, which is not in M: weight and motion of a base push by it",
+    "momentum": "3 rows: of the structure when each degree of freedom moves at unit rate, along x, y, z, with the mass "
+    "that couples it to held nodes, which is not in M: weight and motion of a base push by it",
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,10 +22,18 @@ Motion = Callable[[Integers, Floats, Floats], tuple[Integers, Floats]]
 
 
 def side_surface(
-    item: SurfaceOn, name: str, cells: FlatCells, chosen: Integers, motion: Motion, n_nodes: int
+    item: SurfaceOn,
+    name: str,
+    cells: FlatCells,
+    chosen: Integers,
+    motion: Motion,
+    n_nodes: int,
+    lies: tuple[Floats | float, float],
 ) -> Surface:
-    """A side of some cells of a part. Above and below are told as for a plate; where neither side is up, above is that
-    of the cells' own normals.
+    """A side of some cells of a part. lies : half the thickness, of each cell or all, and how far the middle of it is
+    from the cells along their normals [m].
+
+    Above and below are told as for a plate; where neither side is up, above is that of the cells' own normals.
 
     Raises InputError for a closed surface, whose normals add to nothing.
     """
@@ -36,7 +45,9 @@ def side_surface(
     outline = outer_line(cells.points, cells.corners[chosen])
     if outline is None:
         outline = rectangle_round(along, cells.points[np.unique(cells.corners[chosen])])
-    return surface_at(item.name, points, normals, (along, outline), motion, n_nodes)
+    reached = np.broadcast_to(lies[0], len(signs))[points.cells] + signs[points.cells] * lies[1]
+    out = float(points.weights @ reached / points.weights.sum())
+    return replace(surface_at(item.name, points, normals, (along, outline), motion, n_nodes), out=out)
 
 
 def surface_at(

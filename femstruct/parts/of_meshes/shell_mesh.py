@@ -173,7 +173,8 @@ class ShellMesh(CellsMesh):
 
     def surface(self, item: SurfaceOn, n_nodes: int, tolerance: float) -> Surface:
         chosen = self.chosen(f"surfaces.{item.name}.region", item.region, tolerance)
-        return side_surface(item, self.name, self.cells, chosen, self.facet_motion, n_nodes)
+        lies = self.thickness / 2.0, self.part.shift
+        return side_surface(item, self.name, self.cells, chosen, self.facet_motion, n_nodes, lies)
 
     def edge_points(self, item: Support, tolerance: float) -> EdgePoints:
         """Of its free edges between nodes of the named set or in the box."""

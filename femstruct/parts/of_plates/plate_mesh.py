@@ -277,6 +277,7 @@ class PlateMesh(Meshed):
             along=self.axes[:2],
             outline=from_rectangle(self.part, self.axes, np.array([[box[i], box[j]] for i, j in ROUND])),
             rows=sparse_rows(nodes, along_normal, n_nodes),
+            out=self.part.thickness / 2.0,
         )
 
     def stresses(self, n_nodes: int) -> StressPlaces:
