@@ -76,7 +76,6 @@ FORBIDS = {
     "large displacements": (inp(more=LOADED.replace("*STEP\n", "*STEP, NLGEOM\n", 1).format("")), "after a step of lo"),
     "initial stress": (inp(more="*INITIAL CONDITIONS, TYPE=STRESS\n1, 1e6"), "*INITIAL CONDITIONS, TYPE=STRESS (line "),
     "a sector": (inp(more="*CYCLIC SYMMETRY MODEL, N=4, TIE=T\n0,0,0,0,0,1"), "1 *CYCLIC SYMMETRY MODEL (line 32)"),
-    "supports in a step": (inp(more="*STEP\n*BOUNDARY\n1, 1, 3\n*FREQUENCY\n3"), "1 *BOUNDARY of a step (line 33)"),
     "a second line of data": (inp(more="*SHELL SECTION, ELSET=A\n0.01\n0.02"), "data line 2 of *SHELL SECTION (line"),
     "a misspelt keyword": (inp(more="*BOUNDRY\n1, 1, 3"), "1 *BOUNDRY (line 32) [a keyword that is not known: is it m"),
     "an unknown option": (inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, TWIST=3\n0.01"), "option TWIST of *SHELL S"),
@@ -341,3 +340,21 @@ def test_lines_that_would_be_lost_are_refused(tmp_path: Path) -> None:
     assert "OFFSET of *SHELL SECTION" in severe(told(mesh_of(tmp_path, three)))
     more = bulk().replace("ENDDATA", "BEGIN SUPER = 1\nENDDATA")
     assert "1 BEGIN (line 20) [superelements: other parts" in severe(told(mesh_of(tmp_path, more)))
+
+
+def test_supports_of_steps_are_those_of_the_model_where_modes_are_asked_for(tmp_path: Path) -> None:
+    """As many preprocessors write them. Those of steps before the one of the modes hold on, unless OP=NEW lets go."""
+
+    def held(more: str) -> list[tuple[list[int], tuple[int, ...]]]:
+        mesh = mesh_of(tmp_path, inp(more=more))
+        return [(mesh.numbers[one.nodes].tolist(), one.held) for one in mesh.stated.holds]
+
+    modes = "*STEP\n*FREQUENCY\n3\n*BOUNDARY\n2, 3, 3\n*END STEP"
+    own, load = "*BOUNDARY\n1, 1, 3\n", "*STEP\n*STATIC\n*BOUNDARY\n4, 1\n*END STEP\n"
+    assert held(own + modes) == held(own + "*BOUNDARY\n2, 3, 3") == [([1], (0, 1, 2)), ([2], (2,))]
+    assert held(own + load + modes) == [([1], (0, 1, 2)), ([4], (0,)), ([2], (2,))]
+    anew = modes.replace("*BOUNDARY", "*BOUNDARY, OP=NEW\n9, 1\n*BOUNDARY, OP=NEW")
+    assert held(own + load + anew) == [([9], (0,)), ([2], (2,))]
+    assert held(own + modes + "\n" + load) == [([1], (0, 1, 2)), ([2], (2,))]
+    later = mesh_of(tmp_path, inp(more=own + modes + "\n" + load)).stated.left_out
+    assert "*BOUNDARY of a later step" in [one.what for one in later]

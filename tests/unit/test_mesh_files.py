@@ -297,8 +297,6 @@ def test_what_an_input_file_of_abaqus_holds_joins_and_weighs(tmp_path: Path) -> 
         tmp_path, "a.inp", ABAQUS.replace("*TIE", along).replace("*BOUNDARY", "*NSET, NSET=TURNED\n1, 3\n*BOUNDARY", 1)
     )
     assert len(same.stated.holds) == 3 and left(same) == ["1 *TIE (line 48)", "1 *BOUNDARY that moves nodes (line 43)"]
-    stepped = mesh_of(tmp_path, "a.inp", ABAQUS + "*BOUNDARY\n2, 1, 3\n")
-    assert left(stepped) == ["1 *TIE (line 34)", "1 *BOUNDARY of a step (line 39)"]
 
 
 def test_all_that_a_universal_file_says(tmp_path: Path) -> None:

@@ -65,6 +65,7 @@ class Deck:
     others: list[int] = field(default_factory=list)  # elements that are left out, which sets may name
     turned: list[Integers] = field(default_factory=list)  # nodes with directions of their own, of *TRANSFORM
     turned_at: int = 0
+    anew: int = 0  # the last step that lets go of what was held before
     elements: dict[str, list[Integers]] = field(default_factory=dict)
     parts: list[str] = field(default_factory=list)
     instances: list[str] = field(default_factory=list)

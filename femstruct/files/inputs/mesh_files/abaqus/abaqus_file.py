@@ -72,17 +72,19 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
     for keyword in keywords:
         if keyword.word in _FIRST:
             _take(keyword, deck)
-    material, in_step = "", False
+    material, step, judged = "", 0, _step_that_vibrates(keywords)
     for keyword in keywords:
-        in_step |= keyword.word == "STEP"
+        step += keyword.word == "STEP"
         if keyword.word == "MATERIAL":
             material = keyword.option("NAME")
             deck.materials[material] = {}
-        if in_step and keyword.word == "BOUNDARY":
-            keyword.leave_out(deck, Makes.SUPPORTS, "held nodes", "BOUNDARY of a step")
+        if step > judged and keyword.word == "BOUNDARY":
+            keyword.leave_out(deck, Makes.SLIGHT, "held nodes of a later state", "BOUNDARY of a later step")
         elif keyword.word in ("ELASTIC", "DENSITY"):
             _constants(keyword, deck.materials.setdefault(material, {}))
         elif keyword.word not in _FIRST:
+            if keyword.word == "BOUNDARY" and keyword.options.get("OP", "").upper() == "NEW" and step > deck.anew:
+                deck.holds, deck.anew = [], step  # what was held before is free
             _take(keyword, deck)
     if not deck.nodes:
         raise InputError("", got=f"'{path.name}' without *NODE", expected="an input file with nodes and elements")
@@ -112,6 +114,17 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
         stated,
         included=files,
     )
+
+
+def _step_that_vibrates(keywords: list[Keyword]) -> int:
+    """The number of the step, from 1, whose supports are those of the model: the first that asks for modes, or the
+    first one; what is held in steps before holds on."""
+    step = 0
+    for keyword in keywords:
+        step += keyword.word == "STEP"
+        if keyword.word in _VIBRATING:
+            return step
+    return 1
 
 
 def _without_others(deck: Deck) -> dict[str, Integers]:
