@@ -120,3 +120,24 @@ def test_supports_a_spider_and_a_mass_of_the_file_are_taken(how: str, tmp_path: 
         count=2,
     )
     assert bare.frequency_hz[bare.modes][0] > 1.5 * own[0]
+
+
+@needs_ccx
+def test_supports_of_the_step_of_the_modes_are_taken(tmp_path: Path) -> None:
+    """A strip whose ends are pinned in the step, as preprocessors of CalculiX write it."""
+    unit = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5)]
+    corners = np.array([[(i + u, j + v) for u, v in unit] for i in range(20) for j in (0, 1)])
+    doubled = np.rint(2 * corners).astype(int)
+    whole, numbers = np.unique(doubled.reshape(-1, 2), axis=0, return_inverse=True)
+    points = np.column_stack([whole[:, 0] / 40.0, whole[:, 1] / 20.0, np.zeros(len(whole))])
+    path = tmp_path / "strip.inp"
+    section = "*SHELL SECTION, ELSET=BODY, MATERIAL=STEEL\n0.05"
+    written(path, points, numbers.reshape(-1, 8), "S8R", section, "")
+    ends = "\n".join(str(i) for i in np.flatnonzero(np.abs(points[:, 0] - 0.5) > 0.5 - 1e-9) + 1)
+    text = path.read_text(encoding="ascii").replace("*BOUNDARY\n\n*STEP", f"*NSET, NSET=ENDS\n{ends}\n*STEP")
+    path.write_text(text.replace("*NODE PRINT", "*BOUNDARY\nENDS, 1, 3\n*NODE PRINT"), encoding="ascii")
+    mesh = fs.read_mesh_file(path)
+    body, rest = fs.Shell("body", mesh, STEEL), fs.Attachments("rest", mesh, ("supports",))
+    basis = fs.modal_basis(fs.assemble(fs.mesh_structure(fs.Structure("a", (body, rest)))), count=1)
+    # 0.05 %: a quadrilateral of 8 nodes is four of 4 here
+    assert basis.frequency_hz[basis.modes][0] == pytest.approx(by_calculix(path)[0], rel=1e-3)

@@ -144,6 +144,10 @@ def test_what_the_model_states_in_place_of_the_file_is_a_remark(tmp_path: Path) 
     (one,) = [one for one in told(mesh_of(tmp_path, inp()), thickness=0.02) if one.code == "mesh-stated-otherwise"]
     assert one.message.endswith("which holds: thickness 10 mm of 4 cells of SKIN, 20 mm of skin")
     assert not [one for one in told(mesh_of(tmp_path, inp()), thickness=0.01) if one.code == "mesh-stated-otherwise"]
+    wood = fs.Orthotropic("wood", E=(11e9, 370e6), G=(690e6, 50e6), nu=0.35, rho=420.0)
+    turned = told(mesh_of(tmp_path, bulk(element=",30.")), material=wood, orientation=(1.0, 0.0, 0.0))
+    (one,) = [one for one in turned if one.code == "mesh-stated-otherwise"]
+    assert "THETA or MCID of CQUAD4 (line 16) of 4 cells" in one.message and severe(turned) == ""
     light = fs.Material("alu", E=70e9, nu=0.33, rho=2700.0)
     (one,) = [one for one in told(mesh_of(tmp_path, inp()), material=light) if one.code == "mesh-stated-otherwise"]
     assert "E 2.1e+11 Pa of STEEL, 7e+10 Pa of skin; rho 7850 kg/m^3 of STEEL, 2700 kg/m^3 of skin" in one.message
