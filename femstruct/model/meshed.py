@@ -135,6 +135,20 @@ class Meshed(ABC):
         return np.empty((0, 4), np.int64)
 
     @property
+    def edges_of_cells(self) -> Integers | None:
+        """End nodes of the edges of its cells [e, 2], once each, of a part whose cells others can be joined to between
+        their nodes; None of others."""
+        return None
+
+    def off_cells(self, places: Floats) -> Floats:
+        """How far places [p, 3] are off its cells [p] [m]."""
+        raise FemstructError(f"parts.{self.name}", got="no cells", expected="a part with edges of cells")
+
+    def motion_on_cells(self, places: Floats) -> tuple[Integers, Floats]:
+        """Motion of places [p, 3] on its cells: nodes [p, k], rows [p, 6, k, 7], global axes."""
+        raise FemstructError(f"parts.{self.name}", got="no cells", expected="a part with edges of cells")
+
+    @property
     def lines(self) -> Integers:
         """End nodes of its bars [b, 2], for files and pictures."""
         return np.empty((0, 2), np.int64)

@@ -9,9 +9,10 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, point_rows
+from femstruct.model.equations.unlike_lines import Line, of_line, unlike_line
 from femstruct.model.fastened import Elastic, Tie
 from femstruct.model.grid.bars_on_plates import contact, turning_rows
-from femstruct.model.grid.joined_nodes import box_pairs, coincident_pairs
+from femstruct.model.grid.joined_nodes import box_pairs, coincident_pairs, joined_nodes
 from femstruct.model.grid.sliding import sliding
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
@@ -19,6 +20,7 @@ from femstruct.model.rows import node_rows
 from femstruct.model.structure import Joint, Support
 
 _SIX = 6
+TOUCH = 4.0  # tolerances: places of two parts that are nearer touch, as in `coincident_pairs`
 CARRIED = 3  # nodes of a solid that hold the rotation of the one they follow
 _SHIFTS, _ROTATIONS = [0, 1, 2], [3, 4, 5]
 _AXES = np.concatenate([np.eye(3), np.zeros((3, 3))])
@@ -94,13 +96,18 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
     if item.kind != "pinned" and (len(hinged) > 1 or not all(part.has_surface for part in hinged)):
         names = " and ".join(part.name for part in hinged)
         raise InputError(where, got=f"{item.kind}, and nodes of {names} that have no rotations", expected="pinned")
-    boxes = [part for part in (one, other) if part.box is not None]
-    pairs = box_pairs(item, model, tolerance) if boxes else coincident_pairs(item, model, tolerance)
-    one, other = (part.around(nodes) for part, nodes in zip((one, other), pairs.T, strict=True))
     springy = listed(where, tuple(item.stiffness))
     values = np.array([item.stiffness[DIRECTIONS[number]] for number in springy])
     if not (values >= 0).all():
         raise InputError(f"{where}.stiffness", got=f"{values.min():g}", expected="values >= 0")
+    if item.reach is None and not hinged:
+        nodes = joined_nodes(item, item.a, model, tolerance), joined_nodes(item, item.b, model, tolerance)
+        line = unlike_line((one, other), nodes, TOUCH * tolerance, model.mesh.points)
+        if line is not None:
+            return _along_line(item, line, (one, other), (springy, values))
+    boxes = [part for part in (one, other) if part.box is not None]
+    pairs = box_pairs(item, model, tolerance) if boxes else coincident_pairs(item, model, tolerance)
+    one, other = (part.around(nodes) for part, nodes in zip((one, other), pairs.T, strict=True))
     bars, plate = _bars_on(one, other)
     solid = hinged[0] if hinged else None
     if solid is not None:
@@ -136,6 +143,41 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
         item.name, relative.rows, stiffness, np.zeros(stiffness.size), relative.directions, grounded=False
     )
     return held, elastic
+
+
+def _along_line(
+    item: Joint, line: Line, parts: tuple[Meshed, Meshed], springs: tuple[list[int], Floats]
+) -> tuple[Tie | None, Elastic | None]:
+    """A joint along a line on which the meshes of two parts do not match: every node of one follows the other."""
+    springy, values = springs
+    count = len(line.nodes)
+    axes = next((part.own_axes for part in parts if part.own_axes is not None), np.eye(3))
+    tied = np.zeros((count, 0, N_COMPONENTS))
+    if item.kind == "sliding":
+        across = np.zeros((count, 2, N_COMPONENTS))
+        across[..., :3] = np.linalg.svd(line.along[:, None])[2][:, 1:]
+        tied = across
+    else:
+        shifts = _tied(_SHIFTS, springy, axes)
+        tied = np.broadcast_to(shifts, (count, *shifts.shape))
+    if item.kind != "pinned":
+        turns = _tied(_ROTATIONS, springy, axes)
+        tied = np.concatenate([tied, np.broadcast_to(turns, (count, *turns.shape))], axis=1)
+    held = Tie(item.name, of_line(line, tied), tied[..., :3].reshape(-1, 3), grounded=False) if tied.size else None
+    if item.kind == "sliding":
+        slides = np.zeros((count, 1, N_COMPONENTS))
+        slides[:, 0, :3] = line.along
+        stiffness = item.slip * line.lengths
+        nothing = np.zeros(count)
+        return held, Elastic(item.name, of_line(line, slides), stiffness, nothing, line.along, grounded=False)
+    if not springy:
+        return held, None
+    free = np.eye(N_COMPONENTS)[springy]
+    stiffness = np.tile(values, count)
+    directions = np.tile(free[:, :3], (count, 1))
+    return held, Elastic(
+        item.name, of_line(line, free), stiffness, np.zeros(stiffness.size), directions, grounded=False
+    )
 
 
 def _together(name: str, ties: list[Tie]) -> Tie:

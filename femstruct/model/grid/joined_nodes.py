@@ -16,7 +16,7 @@ from femstruct.model.structure import Joint
 def coincident_pairs(item: Joint, model: Model, tolerance: float) -> Integers:
     """Coincident nodes of the two parts, or nodes within reach of each other [m, 2]: of each node of the first part, or
     of a set alone that is named, the nearest of the other."""
-    first, second = (_joined_nodes(item, name, model, tolerance) for name in (item.a, item.b))
+    first, second = (joined_nodes(item, name, model, tolerance) for name in (item.a, item.b))
     turned = set(item.sets) == {item.b}
     if turned:
         first, second = second, first
@@ -37,7 +37,7 @@ def coincident_pairs(item: Joint, model: Model, tolerance: float) -> Integers:
     return pairs[:, ::-1] if turned else pairs
 
 
-def _joined_nodes(item: Joint, name: str, model: Model, tolerance: float) -> Integers:
+def joined_nodes(item: Joint, name: str, model: Model, tolerance: float) -> Integers:
     """Nodes of a part that a joint is about: those of a set, where it names one."""
     if name not in item.sets:
         return model.parts[name].joinable
@@ -67,7 +67,7 @@ def box_pairs(item: Joint, model: Model, tolerance: float) -> Integers:
         if apart > tolerance:
             raise _no_touch(item, f"{apart:.4g} m apart")
         return np.array([[part.first, other.first]])
-    nodes = _joined_nodes(item, other.name, model, tolerance)
+    nodes = joined_nodes(item, other.name, model, tolerance)
     places = other.places[nodes - other.first]
     first, last = stretch_inside(places, other.across, low - tolerance, high + tolerance)
     met = nodes[first <= last]

@@ -1,0 +1,150 @@
+"""Joints of parts whose nodes do not coincide where they touch: patch tests across, rigid motions, and one-piece parts.
+
+The exact motions are constant strains, curvatures and twist; the frequencies compared with are those of models in which
+all nodes coincide.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import femstruct as fs
+from femstruct.model.imported.imported_mesh import ImportedMesh
+
+LIMP = fs.Material("limp", E=1e9, nu=0.0, rho=1000.0)
+WOOD = fs.Material("wood", E=11e9, nu=0.3, rho=450.0)
+CONCRETE = fs.Material("concrete", E=30e9, nu=0.2, rho=2400.0)
+
+
+def sheet(x0: float, nx: int, ny: int) -> ImportedMesh:
+    """A square of 1 m in nx x ny cells, oblique inside."""
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, nx + 1), np.linspace(0.0, 1.0, ny + 1), indexing="ij")
+    moved = 0.1 / nx * np.sin(3.0 * np.pi * x) * np.sin(2.0 * np.pi * y)
+    points = np.stack([x0 + x + moved, y + moved, np.zeros_like(x)], axis=-1).reshape(-1, 3)
+    n = np.arange((nx + 1) * (ny + 1)).reshape(nx + 1, ny + 1)
+    cells = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
+    return ImportedMesh("sheet.msh", points, n.ravel() + 1, {"quad4": cells}, {"quad4": np.arange(len(cells))}, {})
+
+
+def stretching(x, y):
+    u = np.zeros((len(x), 7))
+    u[:, 0], u[:, 1], u[:, 5] = 1.0 * x + 0.4 * y, -0.3 * x + 0.7 * y, (-0.3 - 0.4) / 2.0
+    return u
+
+
+def bending_across(x, y):
+    u = np.zeros((len(x), 7))
+    u[:, 2], u[:, 4] = x**2 / 2.0, -x
+    return u
+
+
+def bending_along(x, y):
+    u = np.zeros((len(x), 7))
+    u[:, 2], u[:, 3] = y**2 / 2.0, y
+    return u
+
+
+def twisting(x, y):
+    u = np.zeros((len(x), 7))
+    u[:, 2], u[:, 3], u[:, 4] = x * y, x, -y
+    return u
+
+
+@pytest.mark.parametrize("field", [stretching, bending_across, bending_along, twisting])
+@pytest.mark.parametrize(("one", "two"), [(7, 5), (3, 6), (4, 5)])
+def test_constant_strains_go_across_a_joint(field, one: int, two: int) -> None:
+    """The exact motion violates no equation, and leaves no force inside nor on the line."""
+    parts = (fs.Shell("one", sheet(0.0, 4, one), LIMP, 0.02), fs.Shell("two", sheet(1.0, 3, two), LIMP, 0.02))
+    model = fs.mesh_structure(fs.Structure("sheets", parts, joints=(fs.Joint("line", "one", "two"),)))
+    assembly = fs.assemble(model)
+    exact = field(*model.mesh.points[:, :2].T).ravel()
+    (tie,) = model.ties
+    assert np.abs(tie.rows @ exact).max() < 1e-13  # rounding
+    free = np.linalg.lstsq(assembly.dofs.T.toarray(), exact, rcond=None)[0]
+    assert assembly.dofs.T @ free == pytest.approx(exact, abs=1e-11)  # rounding of least squares
+    forces = assembly.K @ free
+    x, y, _ = model.mesh.points.T
+    outer = (x < 1e-9) | (x > 2.0 - 1e-9) | (y < 1e-9) | (y > 1.0 - 1e-9)
+    held = assembly.dofs.T.toarray()[np.repeat(outer, 7)]  # what moves nodes of the outer edges, where loads may be
+    rest = forces - held.T @ np.linalg.lstsq(held.T, forces, rcond=None)[0]
+    assert np.abs(rest).max() < 1e-9 * np.abs(forces).max()  # rounding of sums of stiffness 1e7
+
+
+def slab(name: str, mesh: float, size: tuple[float, float], **more: object) -> fs.Slab:
+    material, thickness = more.pop("material", WOOD), more.pop("thickness", 0.04)
+    a, b = size
+    outline = ((0.0, 0.0), (a, 0.0), (a, b), (0.0, b))
+    return fs.Slab(name, material, thickness, outline, mesh=mesh, **more)  # type: ignore[arg-type]
+
+
+def first(parts: tuple[fs.Slab, ...], held: tuple[tuple[str, str], ...], count: int = 3, **joint: object) -> np.ndarray:
+    """Frequencies of slabs of which sets of these names are held, the second joined to the first [Hz]."""
+    joints = (fs.Joint("line", parts[0].name, parts[1].name, **joint),) if len(parts) > 1 else ()  # type: ignore
+    supports = tuple(
+        fs.Support(f"s{i}", ("x", "y", "z"), on=part, region=fs.Region("set", named=name))
+        for i, (part, name) in enumerate(held)
+    )
+    model = fs.mesh_structure(fs.Structure("slabs", parts, joints, supports=supports))
+    basis = fs.modal_basis(fs.assemble(model), count=count)
+    return np.asarray(basis.frequency_hz[basis.modes])[:count]
+
+
+def six_motions(points: np.ndarray) -> np.ndarray:
+    found = np.zeros((len(points), 7, 6))
+    found[:, :6] = np.eye(6)
+    for axis in range(3):
+        found[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], points)
+    return found.reshape(-1, 6)
+
+
+@pytest.mark.parametrize("other", [0.13, 0.075])
+def test_two_slabs_are_one(other: float) -> None:
+    """Meshes of 0.1 m and another size side by side, against one slab of half the mesh."""
+    halves = slab("a", 0.1, (1.2, 1.2)), slab("b", other, (1.2, 1.2), origin=(1.2, 0.0, 0.0))
+    whole = first((slab("a", 0.05, (2.4, 1.2)),), (("a", "side 4"), ("a", "side 2")))
+    found = first(halves, (("a", "side 4"), ("b", "side 2")))
+    assert found == pytest.approx(whole, rel=0.01)  # meshes of 0.13 m; hung at the nodes that coincide: 20 %
+
+
+def wall_on_floor(mesh: float, on: float, through: tuple[tuple[float, float], ...], **joint: object) -> np.ndarray:
+    floor = slab("floor", on, (4.0, 3.0), material=CONCRETE, thickness=0.2, through=through)
+    turned = {"origin": (2.0, 0.0, 0.0), "normal": (1.0, 0.0, 0.0), "x_direction": (0.0, 1.0, 0.0)}
+    wall = slab("wall", mesh, (3.0, 2.0), material=CONCRETE, thickness=0.15, **turned)
+    return first((floor, wall), (("floor", "rim"),), **joint)
+
+
+def test_a_wall_stands_on_any_line_of_a_floor() -> None:
+    """Nodes of a wall between those of the line below it, and across insides of cells, against nodes that coincide."""
+    right = wall_on_floor(0.2, 0.2, ())
+    assert wall_on_floor(0.2, 0.2, ((2.0, 0.5),)) == pytest.approx(right, rel=0.01)  # a line more; was -60 %
+    assert wall_on_floor(0.25, 0.2, ()) == pytest.approx(right, rel=0.01)  # a coarser wall; was -31 %
+    assert wall_on_floor(0.2, 0.22, ((2.1, 0.0),)) == pytest.approx(right, rel=0.02)  # lines beside the wall, coarser
+
+
+@pytest.mark.parametrize("kind", ["pinned", "rigid"])
+def test_a_joint_across_meshes_leaves_six_rigid_motions(kind: str) -> None:
+    """Every rigid motion of both violates no equation, and nothing else is free but the hinge of a pinned joint."""
+    parts = slab("a", 0.3, (1.2, 1.2)), slab("b", 0.4, (1.2, 1.2), origin=(1.2, 0.0, 0.0))
+    joints = (fs.Joint("line", "a", "b", kind=kind),)  # type: ignore[arg-type]
+    model = fs.mesh_structure(fs.Structure("free", parts, joints))
+    assert np.abs(model.ties[0].rows @ six_motions(model.mesh.points)).max() < 1e-12  # rounding
+    assert fs.modal_basis(fs.assemble(model), count=8).n_rigid == {"rigid": 6, "pinned": 7}[kind]
+
+
+def test_a_joint_that_slides_across_meshes_holds_with_its_slip() -> None:
+    """A stiff slip is rigid, and the springs add to slip times length."""
+    parts = slab("a", 0.1, (1.2, 1.2)), slab("b", 0.13, (1.2, 1.2), origin=(1.2, 0.0, 0.0))
+    model = fs.mesh_structure(fs.Structure("s", parts, (fs.Joint("line", "a", "b", kind="sliding", slip=2e6),)))
+    assert model.elastics[0].stiffness.sum() == pytest.approx(2e6 * 1.2, rel=1e-12)  # rounding
+    held = (("a", "side 4"), ("b", "side 2"))
+    assert first(parts, held, kind="sliding", slip=1e13) == pytest.approx(first(parts, held), rel=1e-5)  # 1 / slip
+
+
+def test_a_short_part_is_joined_along_its_side() -> None:
+    """A slab of 0.75 m beside one of 1.2 m: all of its side, coarser or finer, as one slab with a corner cut out."""
+    outline = ((0.0, 0.0), (2.4, 0.0), (2.4, 0.75), (1.2, 0.75), (1.2, 1.2), (0.0, 1.2))
+    whole = first((fs.Slab("a", WOOD, 0.04, outline, mesh=0.05),), (("a", "side 6"),))
+    for fine, coarse in ((0.1, 0.13), (0.13, 0.1)):
+        parts = slab("a", fine, (1.2, 1.2)), slab("b", coarse, (1.2, 0.75), origin=(1.2, 0.0, 0.0))
+        assert first(parts, (("a", "side 4"),)) == pytest.approx(whole, rel=0.02)  # meshes of 0.13 m
