@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Final
 
@@ -9,6 +10,20 @@ from femstruct.arrays import Floats
 from femstruct.reported import Reported
 
 NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
+DAMPED_FORCE: Final = "with its share of the damping of the modes"
+
+
+def damped_forces(channels: Iterable[str], outputs: Iterable[str]) -> list[str]:
+    """Channels that are forces of springs, foundations, supports, joints or the ground: beside k u and c v they have
+    their share of what damps the modes, a damping ratio in proportion to the elastic force.
+
+    outputs : of a basis, "NAME.z".
+
+    >>> damped_forces(["edges force", "edges force x", "ball on off force", "p.z velocity"], ["edges.x", "edges.z"])
+    ['edges force', 'edges force x']
+    """
+    names = {one.rpartition(".")[0] for one in outputs}
+    return [one for one in channels if one.removesuffix(" x").removesuffix(" y").removesuffix(" force") in names]
 
 
 @dataclass(frozen=True, eq=False)

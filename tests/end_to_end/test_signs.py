@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from femstruct.errors import InputError
+from femstruct.files.results_file.results import write_results
 from femstruct.language import read_study
 from femstruct.study.result import CaseResult
+from femstruct.view.tables.terminal import asked_tables
 from femstruct.workflow.run.run import run_study
 from femstruct.workflow.stages.rest import rest_states
 
@@ -582,3 +585,40 @@ record: {m.z: displacement}
     assert len(rattles) > 2
     channel = case.channels["m.z displacement"]
     assert channel.first_impact == np.abs(channel.values).max()  # the ball does not come back: one impact, to the end
+
+
+HUNG = """
+parts:
+  block: {type: block, mass: 100 kg, origin: [0, 0, 0], size: [1, 1, 1]}
+  feet: {type: spring, between: [under, ground], stiffness: {x: 1e6, y: 1e6, z: 1e6, rx: 1e6, ry: 1e6, rz: 1e6}}
+points: {under: {on: block, at: [0.5, 0.5, 0]}, top: {on: block, at: [0.5, 0.5, 1]}}
+damping: {ratio: 10 %}
+"""
+
+
+def test_a_force_of_a_spring_has_its_share_of_the_damping_and_says_so(run: Run, tmp_path: Path) -> None:
+    """k u (1 + 2 zeta j omega / omega_0) on one mode, by hand; in the title of peaks and in the results file."""
+    study = """
+modes: {up_to: 100 Hz}
+loads: {push: {at: top.z, half_sine: {amplitude: -100 N, frequency: 5 Hz}}}
+vibration: {shake: {at: top.z, harmonic: [[5 Hz, 1 N], [30 Hz, 1 N]]}}
+record: {top.z: displacement, feet: force}
+time: {duration: 0.1 s, sampling: 5 kHz}
+"""
+    case = run(HUNG, study)
+    answers = case.vibration["shake"].answers
+    displacement, force = answers["top.z displacement"], answers["feet force"]
+    frequency, own = displacement.frequency_hz, np.sqrt(1e6 / 100.0) / (2 * np.pi)
+    share = np.abs(1.0 + 0.2j * frequency / own)
+    found = np.abs(force.values) / np.abs(displacement.values)  # type: ignore[union-attr]
+    assert found == pytest.approx(1e6 * share, rel=1e-9)  # rounding
+    assert share.max() > 1.05
+    result = run_study(read_study(tmp_path / "study.yaml"))
+    titles = [grid.title for grid in asked_tables(result) if grid.title.startswith("peaks")]
+    assert "; force of a part or support with its share of the damping of the modes" in titles[0]
+    write_results(tmp_path / "results.h5", result)
+    with h5py.File(tmp_path / "results.h5") as file:
+        (one,) = file["cases"].values()
+        told = {name: one["channels"][name].attrs["long_name"] for name in ("feet force", "top.z displacement")}
+    assert told["feet force"] == "feet force, recorded, with its share of the damping of the modes"
+    assert "damping" not in told["top.z displacement"]

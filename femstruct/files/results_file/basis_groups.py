@@ -11,6 +11,7 @@ from femstruct.conventions import COMPONENTS
 from femstruct.files.results_file.datasets import axis, group, put
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
+from femstruct.study.recorded import DAMPED_FORCE
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
@@ -32,7 +33,8 @@ def write_basis(target: h5py.Group, basis: ModalBasis) -> None:
     put(target, "shapes", basis.shapes, "kg^-0.5", "Mass-normalised shapes", (node, component, mode))
     if basis.outputs:
         rows = np.array([[row.stiffness, row.damping, row.inertia] for row in basis.outputs.values()])
-        output = axis(target, "output", list(basis.outputs), "1", "Force of a spring, foundation, support or joint")
+        about = f"Force of a spring, foundation, support or joint, {DAMPED_FORCE} where a case has one"
+        output = axis(target, "output", list(basis.outputs), "1", about)
         acts_on = axis(target, "acts_on", ["q", "qd", "qdd"], "1", "What the row multiplies, to be summed")
         put(
             target,

@@ -45,6 +45,7 @@ from femstruct.files.tables.radiated_tables import write_power, write_radiated, 
 from femstruct.files.tables.study_tables import summary
 from femstruct.impact.result.response import Response
 from femstruct.study.machine import Verdict
+from femstruct.study.recorded import DAMPED_FORCE, damped_forces
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
@@ -192,9 +193,11 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
     target.attrs["outcome"] = response.outcome.value
     channels = group(target, "channels", "Recorded histories")
     time = axis(channels, "time", response.t, "s", "Time since the start")
+    damped = damped_forces(case.channels, case.basis.outputs)
     for channel in case.channels.values():
         peaks = {"peak_first_impact": channel.first_impact, "peak_whole": channel.whole}
-        put(channels, channel.name, channel.values, channel.unit, f"{channel.name}, recorded", (time,), peaks)
+        told = f"{channel.name}, recorded{f', {DAMPED_FORCE}' if channel.name in damped else ''}"
+        put(channels, channel.name, channel.values, channel.unit, told, (time,), peaks)
     if response.contacts:
         contacts, histories = _table(target, "contacts", "Contacts", response.contacts), response.contacts.values()
         write_rows(contacts, list(histories), "contact")

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from femstruct.files.results_file.datasets import put
 from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer
+from femstruct.study.recorded import DAMPED_FORCE
 from femstruct.study.steady_vibration import per_hertz
 
 if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
+
+
+FORCES: Final = f", {DAMPED_FORCE}"
 
 
 def write_answers(target: h5py.Group, answers: Mapping[str, HarmonicAnswer | RandomAnswer]) -> None:
@@ -20,8 +24,9 @@ def write_answers(target: h5py.Group, answers: Mapping[str, HarmonicAnswer | Ran
         where = {"where": answer.where or None}
         if isinstance(answer, HarmonicAnswer):
             most = {"largest": answer.largest, "largest_at_hz": answer.largest_at_hz, **where}
-            put(target, channel, answer.values, answer.unit, "Amplitude, exp(+j omega t)", ("frequency_hz",), most)
+            about = f"Amplitude, exp(+j omega t){FORCES if channel.endswith(' force') else ''}"
+            put(target, channel, answer.values, answer.unit, about, ("frequency_hz",), most)
             continue
         numbers = {"rms": answer.rms, "zero_upcrossings_hz": answer.crossings, "expected_peak": answer.peak, **where}
-        about = "Power spectral density, one-sided"
+        about = f"Power spectral density, one-sided{FORCES if channel.endswith(' force') else ''}"
         put(target, channel, answer.psd, per_hertz(answer.unit), about, ("frequency_hz",), numbers)

@@ -21,7 +21,8 @@ def spot_of(text: str) -> Spot:
 
 
 class FrfSpec(Spec):
-    """A frequency response; addresses are POINT.x, NAME.force, of kind pressure ROOM.RECEIVER.pressure, or of kind
+    """A frequency response; addresses are POINT.x, NAME.force (of parts and supports with its share of the damping of
+    the modes), of kind pressure ROOM.RECEIVER.pressure, or of kind
     power, sound power over the mean square of the force, ROOM.power. As a drive ROOM.RECEIVER.volume_velocity is a
     point source at that place; of kind mobility the response is velocity per volume velocity."""
 

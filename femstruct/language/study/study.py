@@ -56,7 +56,11 @@ class StudyKeys(CampaignSpec):
     links: dict[str, LinkSpec] = Field(default_factory=dict)
     loads: dict[str, LoadSpec] = Field(default_factory=dict)
     initial: InitialSpec = InitialSpec()
-    record: dict[str, Recorded] = Field(default_factory=dict)
+    record: dict[str, Recorded] = Field(
+        default_factory=dict,
+        description="What histories are of. A force of a spring, foundation, support, joint or the ground has, beside "
+        "k u and c v, its share of the damping of the modes: of a ratio in proportion to the elastic force.",
+    )
     time: TimeSpec | None = None
     peaks: PeaksSpec = PeaksSpec()
     limits: Limits = Field(default_factory=dict)

@@ -13,7 +13,7 @@ from acoustics.levels.sound_levels import Levels
 from femstruct.errors import some_of
 from femstruct.files.tables.finding_tables import findings_by_case, unquotable
 from femstruct.reported import reported
-from femstruct.study.recorded import NET_FORCE
+from femstruct.study.recorded import DAMPED_FORCE, NET_FORCE, damped_forces
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
 from femstruct.view.tables.accuracy_table import anything_meets, first_impact, outcomes, trust
 from femstruct.view.tables.answer_tables import evaluations, fatigue, harmonic, moved_masses, random, stresses
@@ -120,7 +120,9 @@ def _peaks(result: StudyResult) -> Grid:
         for one in case.channels.values()
         if not isnan(one.whole)
     )
-    title = f"peaks: {told} ({result.comparison.filter}{told_of}{ZEROS if tiny else ''})"
+    damped = any(damped_forces(case.channels, case.basis.outputs) for case in result.cases.values())
+    shared = f"; force of a part or support {DAMPED_FORCE}" if damped else ""
+    title = f"peaks: {told} ({result.comparison.filter}{told_of}{shared}{ZEROS if tiny else ''})"
     grid = Grid(title, ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
