@@ -82,14 +82,9 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     _refuse_free(assembly)
     if weight:
         refuse_unweighed(model, "z", "the weight")
-    n = len(assembly.points) * N_COMPONENTS
-    nodal = np.zeros(n)
-    for probe, force in forces:
-        nodal += force * probe.row(len(assembly.points)).toarray()[0]
-    loads = csr_array(nodal[None])
-    pushed = (loads @ assembly.dofs.T).toarray()[0]
+    nodal = _nodal(assembly, forces)
     gravity = GRAVITY if weight else 0.0
-    pushed -= gravity * assembly.momentum[UP]
+    pushed = _pushes(assembly, forces) - gravity * assembly.momentum[UP]
     moved = _moved(assembly, pushed)
     load = nodal.reshape(-1, N_COMPONENTS)[:, :3].sum(axis=0)
     load[UP] -= gravity * sum(part_masses(model).values())
@@ -104,10 +99,11 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     )
 
 
-def sunk(assembly: Assembly, *, held: bool = False) -> Floats | None:
+def sunk(assembly: Assembly, forces: Sequence[tuple[Probe, float]] = (), *, held: bool = False) -> Floats | None:
     """Displacements [n_nodes, 7] of a structure under its own weight [m, rad]; None for one that can move as a whole.
 
-    held : whether its modes say that it cannot, which else takes a search for one. Walls at edges hold nothing at rest.
+    forces [N] : at probes, beside the weight. held : whether its modes say that it cannot, which else takes a search
+    for one. Walls at edges hold nothing at rest.
 
     Notes
     -----
@@ -128,8 +124,22 @@ def sunk(assembly: Assembly, *, held: bool = False) -> Floats | None:
     assembly = without_walls(assembly)
     if not known and _free(assembly):
         return None
-    moved = _moved(assembly, -GRAVITY * assembly.momentum[UP])
+    pushed = _pushes(assembly, forces) - GRAVITY * assembly.momentum[UP]
+    moved = _moved(assembly, pushed)
     return np.asarray((assembly.dofs.T @ moved).reshape(-1, N_COMPONENTS))
+
+
+def _nodal(assembly: Assembly, forces: Sequence[tuple[Probe, float]]) -> Floats:
+    """Forces at probes on all nodes [n_nodes * 7] [N]."""
+    nodal = np.zeros(len(assembly.points) * N_COMPONENTS)
+    for probe, force in forces:
+        nodal += force * probe.row(len(assembly.points)).toarray()[0]
+    return nodal
+
+
+def _pushes(assembly: Assembly, forces: Sequence[tuple[Probe, float]]) -> Floats:
+    """The same on the free degrees of freedom [n_free] [N]."""
+    return np.asarray((csr_array(_nodal(assembly, forces)[None]) @ assembly.dofs.T).toarray()[0])
 
 
 def _moved(assembly: Assembly, pushed: Floats) -> Floats:

@@ -122,3 +122,30 @@ def test_what_sags_far_is_judged_without_the_air_of_cavities() -> None:
     told = structure_findings(Solved("one", structure, model, Places(model.points, {}), vacuo), air)
     (far,) = [one for one in told if one.code == "sags-far"]
     assert far.values["sag_m"] == pytest.approx(1000.0 * G / 1e3, rel=1e-6)  # rounding of stiffnesses 1e6 apart
+
+
+HANG = "links: {sp: {between: [tmd, corner], frequency: 4 Hz, ratio: 10 %}}\ncontacts:\n"
+LIE = "contacts:\n  lie: {between: [tmd, corner], law: {type: hertz, stiffness: 1e9}}\n"
+LADEN = """model: m.yaml
+modes: {count: 6}
+bodies: {tmd: {mass: 0.3 t, above: corner}, on: {mass: 0.2 t, above: tmd}}
+record: {tmd: displacement}
+time: {duration: 10 ms, sampling: 4 kHz, gravity: GRAVITY}
+HELD  c: {between: [on, tmd], law: {type: hertz, stiffness: 1e9}}
+"""
+
+
+@pytest.mark.parametrize("gravity", ["true", "false"])
+@pytest.mark.parametrize("held", [HANG, LIE])
+def test_what_hangs_or_lies_on_a_structure_sags_it(tmp_path: Path, held: str, gravity: str) -> None:
+    """2 t on four springs of 1 MN/m at (+-0.8, +-0.3) m, 0.5 t on a corner at (1, 0.5) m of the middle: heave by all of
+    it, angles by its moments over k x^2 and k y^2. It had the weight of the structure alone."""
+    model = LEANING.replace("[1.05, 0.5, 0.4]", "[1, 0.5, 0]").replace("x: 0.5 MN/m, y: 0.5 MN/m", "x: 1e12, y: 1e12")
+    model = model.replace("points:", "points:\n  corner: {on: machine, at: [2, 1, 0]}")
+    (tmp_path / "m.yaml").write_text(model, encoding="utf-8")
+    study = LADEN.replace("GRAVITY", gravity).replace("HELD", held)
+    (tmp_path / "s.study.yaml").write_text(study, encoding="utf-8")
+    sag = told(tmp_path / "s.study.yaml")["sags"]["machine"]
+    assert sag["sag_m"] == pytest.approx(2500.0 * G / 4e6, rel=1e-6)  # the springs' 1e12 N/m sideways
+    turned = np.hypot(500.0 * G * 1.0 / (4e6 * 0.8**2), 500.0 * G * 0.5 / (4e6 * 0.3**2))
+    assert sag["tilt_rad"] == pytest.approx(turned, rel=1e-5)  # the same

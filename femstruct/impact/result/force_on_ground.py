@@ -29,6 +29,8 @@ def passed_on(response: Response, direct: Probe) -> Floats:
         return np.zeros(shapes.shape[2] + 1)
 
     known = _each_push(response, seen)
+    if not len(known) and not response.pushed.any():  # it was only started
+        return np.zeros(len(response.t))
     if not np.array_equal(known[:, :-1], response.pushed[: len(known)]) or response.pushed[len(known) :].any():
         raise FemstructError("passed_on", got="pushes in another order than the scene's")
     passed: Floats = known[:, -1] @ response.pushes[: len(known)]
@@ -38,7 +40,7 @@ def passed_on(response: Response, direct: Probe) -> Floats:
 def on_the_ground(response: Response) -> Floats | None:
     """Force [nt] [N] of contacts and links on the ground itself, along the axis of the bodies; None where none ends
     there. It is measured from rest: what a preload or a body's weight presses with is left out."""
-    share = _each_push(response, lambda end: np.array([float(isinstance(end, Ground))]))[:, 0]
+    share = _each_push(response, lambda end: np.array([float(isinstance(end, Ground))])).ravel()
     if not share.any():
         return None
     force: Floats = share @ response.pushes[: len(share)]

@@ -131,6 +131,7 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         progress("judgement")
         told = _early(source, case, solved, basis)
     model = solved.model
+    sags = solved.under_all(study)
     return Inspection(
         title=title,
         plan=None if isinstance(source, ModelFile) else source,
@@ -141,11 +142,11 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         positions=_positions(solved),
         damping=damping_sentences(damping, given=isinstance(structure, ModesModel)),
         rests=() if study is None else rest_states(study),
-        sags=solved.under_weight,
+        sags=sags,
         block_modes=() if model is None else block_modes(model, vacuo),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
-        findings=ranked((*fewer, *told, *weight_findings(solved.under_weight), *_left_blank(source, basis))),
+        findings=ranked((*fewer, *told, *weight_findings(sags), *_left_blank(source, basis))),
     )
 
 

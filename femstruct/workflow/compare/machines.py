@@ -62,7 +62,7 @@ def _machine(case: CaseResult, response: Response, own: Solved, reference: float
             for name, channel in case.channels.items()
             if name.endswith(" displacement") and name.rpartition(" ")[0] not in response.bodies
         },
-        sags=own.under_weight,
+        sags=own.under_all(study),
         modes=() if model is None else block_modes(model, case.basis),
         rest=Rest(max(afters) if len(afters) == len(waits) else None, min(i for _, i in waits)) if waits else None,
         companions={

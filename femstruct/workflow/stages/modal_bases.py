@@ -25,7 +25,7 @@ from femstruct.study.structures import BeamModel, ModesModel, NoStructure, Oscil
 from femstruct.study.study import Case, Study
 from femstruct.workflow.stages.fingerprint import fingerprint
 from femstruct.workflow.stages.places import Places
-from femstruct.workflow.stages.rest import axis_of
+from femstruct.workflow.stages.rest import axis_of, weights_on
 from femstruct.workflow.stages.sags import sags
 
 
@@ -47,6 +47,14 @@ class Solved:
     @cached_property
     def under_weight(self) -> tuple[Sag, ...]:
         return () if self.model is None else sags(self.model, self.basis)
+
+    def under_all(self, study: Study | None) -> tuple[Sag, ...]:
+        """The same with the weight of the bodies that hang or lie on the structure in a study."""
+        weights = {} if study is None else weights_on(study)
+        if self.model is None or not weights:
+            return self.under_weight
+        hung = [(self.places.point(name, "bodies").probe("z"), -weight) for name, weight in weights.items()]
+        return sags(self.model, self.basis, hung)
 
 
 @dataclass(frozen=True, eq=False)

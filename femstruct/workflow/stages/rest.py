@@ -90,8 +90,28 @@ def rest_states(study: Study) -> tuple[Rest, ...]:
 
     Notes: the structure and the contacts under lying bodies are taken as rigid beside the links.
     """
-    if not weighs(study):
-        return ()
+    return _carried(study) if weighs(study) else ()
+
+
+def weights_on(study: Study) -> dict[str, float]:
+    """What bodies that hang on links or lie weigh at the points of the structure that hold them [N], with gravity in
+    the study and without, as the structure's own weight; empty where they move along x."""
+    if axis_of(study) != "z":
+        return {}
+    bodies, lying = {body.name for body in study.bodies}, lying_bodies(study)
+    sags = {rest.body: rest.sag for rest in _carried(study)}
+    found: dict[str, float] = {}
+    for body in lying.values():
+        if body.target not in (*bodies, "ground"):
+            found[body.target] = found.get(body.target, 0.0) + mass_on(body, lying) * GRAVITY
+    for link in _holding(study):
+        for end, other in (link.between, link.between[::-1]):
+            if end not in (*bodies, "ground") and other in sags:
+                found[end] = found.get(end, 0.0) + link.stiffness * sags[other]
+    return found
+
+
+def _carried(study: Study) -> tuple[Rest, ...]:
     carried, lying = carried_bodies(study), lying_bodies(study)
     names = [body.name for body in study.bodies if body.name in carried]
     weight = np.array([mass_on(body, lying) for body in study.bodies if body.name in carried]) * GRAVITY
