@@ -215,6 +215,15 @@ IMPACT: Final = (
         (Limit(0.01, "% of the force spectrum", "a small part of what is excited", CHOSEN, "impact_findings.CONTENT"),),
     ),
     Entry(
+        "force-beyond-modes",
+        "A contact force depends on the modes that are left out.",
+        LIMITS,
+        "the force has the finding contact-beyond-modes, and its peak differs by more than the threshold from that of "
+        "the same blow on the infinite plate that is struck; on other parts, from that without residual vectors",
+        "Do not quote the force and the rebound. Compute more modes, until both numbers agree.",
+        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
+    ),
+    Entry(
         "blow-before-rest",
         "A blow comes before the structure is at rest again.",
         REMARK,

@@ -17,6 +17,7 @@ from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Sc
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import given_modes
 from femstruct.modal.steady.installed import contact_forces
+from femstruct.workflow.continuation.blow_forces import blow
 
 MASS, SPEED = 0.5, 0.886  # of ISO 10140-5
 CONCRETE, CHIPBOARD = 3.84e5, 1620.0  # N s/m
@@ -77,6 +78,16 @@ def test_hammers_rebound_as_the_mobility_of_the_floor_says(k: float, z: float) -
         assert end is not None
         after = int(np.ceil(end * SAMPLING))
         assert response.bodies["hammer"].velocity[after] / SPEED == pytest.approx(rebound, abs=2e-5)
+
+
+@pytest.mark.parametrize(("k", "z"), CASES)
+def test_a_blow_on_an_infinite_plate_is_sampled_as_it_lasts(k: float, z: float) -> None:
+    """Also where the force of a stiff hammer dies away and is never zero: its window was 2 s, its samples 0.5 ms."""
+    force, dt = blow(MASS, SPEED, fs.Linear(k), z)
+    found = np.abs(np.exp(-2j * pi * np.outer(LINES_HZ, dt * np.arange(len(force)))) @ force) * dt
+    _, peak, impulse, spectrum = CASES[k, z]
+    assert force.max() == pytest.approx(peak, rel=1e-3)  # between samples
+    assert found == pytest.approx(spectrum, rel=2e-3, abs=2e-5 * impulse)  # trapezes; near zeros of the impulse
 
 
 def test_a_stiff_hammer_is_a_source_with_the_mobility_of_its_mass() -> None:

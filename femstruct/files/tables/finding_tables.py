@@ -9,11 +9,16 @@ from acoustics.errors import Advice
 from femstruct.errors import Finding
 from femstruct.files.tables.json_numbers import number
 from femstruct.findings.catalogue import place_of, rank_of
+from femstruct.study.recorded import NET_FORCE
 
 if TYPE_CHECKING:  # tables of one structure need nothing of impacts
     from femstruct.study.result import CaseResult, StudyResult
 
-OF_PEAKS: Final = ("peak-not-converged", "stress-uneven")  # findings of one channel, whose name begins their message
+OF_PEAKS: Final = (
+    "peak-not-converged",
+    "stress-uneven",
+    "force-beyond-modes",
+)  # findings of one channel, whose name begins their message
 
 OF_EVALUATIONS: Final = "evaluation-not-converged"  # of one evaluation, whose kind and name begin its message
 
@@ -42,7 +47,19 @@ def finding_from(table: Mapping[str, Any]) -> Finding:
 def unquotable(case: CaseResult) -> dict[str, str]:
     """Recorded channels of a case whose peaks are not to be quoted, each with the code of the finding that says so."""
     found = [one for one in case.findings if one.code in OF_PEAKS]
-    return {name: one.code for one in found for name in case.channels if one.message.startswith(f"{name}: ")}
+    told = {name: one.code for one in found for name in case.channels if one.message.startswith(f"{name}: ")}
+    study = case.case.study
+    ends = {one.name: one.between for one in study.contacts}
+    ends |= {f"{one.name} on {one.target}": (one.name, one.target) for one in study.bodies}
+    net = {f"{NET_FORCE}{end}": "force-beyond-modes" for name in doubtful_forces(case) for end in ends.get(name, ())}
+    return told | {name: code for name, code in net.items() if name in case.channels}
+
+
+def doubtful_forces(case: CaseResult) -> tuple[str, ...]:
+    """Contacts of a case whose peak forces are not to be quoted."""
+    told = [one.message for one in case.findings if one.code == "force-beyond-modes"]
+    contacts = () if case.response is None else case.response.contacts
+    return tuple(name for name in contacts if any(one.startswith(f"{name} force: ") for one in told))
 
 
 def doubtful_answers(case: CaseResult, kind: str, name: str) -> tuple[str, ...]:

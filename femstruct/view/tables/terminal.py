@@ -11,7 +11,7 @@ from rich.console import Console
 
 from acoustics.levels.sound_levels import Levels
 from femstruct.errors import some_of
-from femstruct.files.tables.finding_tables import findings_by_case, unquotable
+from femstruct.files.tables.finding_tables import doubtful_forces, findings_by_case, unquotable
 from femstruct.reported import reported
 from femstruct.study.recorded import DAMPED_FORCE, NET_FORCE, damped_forces
 from femstruct.study.result import CaseComparison, CaseResult, StudyResult
@@ -170,7 +170,10 @@ def _contacts(result: StudyResult) -> Grid:
             continue
         for name, contact in case.response.contacts.items():
             opens = "never" if contact.first_open is None else f"{1e3 * contact.first_open:.3f}"
-            grid.add(name, case_name, digits(contact.peak_force), str(contact.closings), opens)
+            mark = " ?" if name in doubtful_forces(case) else ""
+            grid.add(name, case_name, f"{digits(contact.peak_force)}{mark}", str(contact.closings), opens)
+    if any(doubtful_forces(case) for case in result.cases.values()):
+        return replace(grid, title=f"{grid.title[:-1]}; {doubted(['force-beyond-modes'])})")
     return grid
 
 

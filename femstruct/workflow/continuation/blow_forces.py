@@ -14,6 +14,7 @@ from acoustics.statistical.energies import band_exposures
 from acoustics.statistical.infinite_plate import InfinitePlate
 from femstruct.arrays import Floats
 from femstruct.impact.laws.law import Law
+from femstruct.impact.result.response import Response
 from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.analytic import oscillator
@@ -23,6 +24,7 @@ SAMPLES: Final = 4000  # of a blow
 FIRST_S: Final = 5e-3  # how long it is looked at first, ...
 LONGER: Final = 4.0  # ... and how many times longer as long as the contact is closed
 LONGEST_S: Final = 2.0
+GONE: Final = 1e-6  # of the peak: less of a force that dies away and never ends, as of a stiff hammer, is over
 NO_MASS_S: Final = 1e-7  # mass of what is struck over its resistance: gone before any blow has begun
 _MOST_HZ: Final = 1e6
 
@@ -61,13 +63,18 @@ def blow(mass: float, speed: float, law: Law, resistance: float) -> tuple[Floats
     >>> round(float(force.sum() * dt), 4)
     0.886
     """
+    duration = FIRST_S
+    while True:
+        history = on_resistance(mass, speed, law, resistance, duration).contacts["blow"]
+        if history.force[-1] <= GONE * history.peak_force or duration >= LONGEST_S:
+            return np.array([*history.force, 0.0]), duration / SAMPLES
+        duration *= LONGER
+
+
+def on_resistance(mass: float, speed: float, law: Law, resistance: float, duration: float) -> Response:
+    """The contact "blow" of a "body" of a mass [kg] with a speed [m/s] on a resistance [N s/m]; duration [s]."""
     basis, points = oscillator(resistance * NO_MASS_S, stiffness=0.0, axis="z")
     rate = np.array([[1.0 / NO_MASS_S]])
     basis = replace(basis, viscous=rate, dashpots=rate)
     struck = Contact("blow", "body", points["m"].probe("z"), law)
-    scene, duration = Scene((Body("body", mass, -speed),), (struck,)), FIRST_S
-    while True:
-        history = simulate(basis, scene, Clock(duration, SAMPLES / duration)).contacts["blow"]
-        if history.force[-1] <= 0.0 or duration >= LONGEST_S:
-            return np.array([*history.force, 0.0]), duration / SAMPLES
-        duration *= LONGER
+    return simulate(basis, Scene((Body("body", mass, -speed),), (struck,)), Clock(duration, SAMPLES / duration))

@@ -29,29 +29,36 @@ CONTENT = 0.01  # share of a contact force's spectrum beyond the last mode that 
 
 def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...]:
     """Contact forces with content beyond the modes of the basis."""
-    near, found = _for_spectra(basis, response), []
-    on_structure = {c.name for c in response.scene.contacts if isinstance(c.upper, Probe) or isinstance(c.lower, Probe)}
-    for name, contact in response.contacts.items():
-        if not contact.closings or name not in on_structure:
-            continue
-        given = not basis.complete_below_hz  # a list of modes is complete to no frequency
-        top = float(basis.frequency_hz[basis.modes].max(initial=0.0)) if given else basis.complete_below_hz
-        share = content_above(near.contacts[name].force, near.clock.sampling, top)
-        if share > CONTENT and top > 0.0:
-            left_out = (
-                "the highest given mode: the response of the structure there is not known"
-                if given
-                else "where modes are left out (except their static response). Accelerations above it are too low"
+    found = []
+    given = not basis.complete_below_hz  # a list of modes is complete to no frequency
+    for name, (share, top) in shares_beyond(basis, response).items():
+        left_out = (
+            "the highest given mode: the response of the structure there is not known"
+            if given
+            else "where modes are left out (except their static response). Accelerations above it are too low"
+        )
+        found.append(
+            Finding(
+                "contact-beyond-modes",
+                f"{name}: {100 * share:.1f} % of the energy of the force spectrum lies above {top:.5g} Hz, {left_out}",
+                {"share": share, "complete_below_hz": basis.complete_below_hz, "highest_hz": top},
             )
-            found.append(
-                Finding(
-                    "contact-beyond-modes",
-                    f"{name}: {100 * share:.1f} % of the energy of the force spectrum lies above {top:.5g} Hz, "
-                    f"{left_out}",
-                    {"share": share, "complete_below_hz": basis.complete_below_hz, "highest_hz": top},
-                )
-            )
+        )
     return tuple(found)
+
+
+def shares_beyond(basis: ModalBasis, response: Response) -> dict[str, tuple[float, float]]:
+    """Share of the energy of the force spectrum above the modes, and their end [Hz], of contacts where it counts."""
+    near, found = _for_spectra(basis, response), {}
+    on_structure = {c.name for c in response.scene.contacts if isinstance(c.upper, Probe) or isinstance(c.lower, Probe)}
+    given = not basis.complete_below_hz
+    top = float(basis.frequency_hz[basis.modes].max(initial=0.0)) if given else basis.complete_below_hz
+    for name, contact in response.contacts.items():
+        if contact.closings and name in on_structure and top > 0.0:
+            share = content_above(near.contacts[name].force, near.clock.sampling, top)
+            if share > CONTENT:
+                found[name] = share, top
+    return found
 
 
 def _for_spectra(basis: ModalBasis, response: Response) -> Response:

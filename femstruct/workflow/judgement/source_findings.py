@@ -32,7 +32,7 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
     for body in study.bodies:
         contact = response.contacts.get(f"{body.name} on {body.target}")
         if body.source == TAPPING_MACHINE and contact is not None and contact.closings:
-            velocity = _after_blow(body.name, f"{body.name} on {body.target}", response)
+            velocity = after_blow(body.name, f"{body.name} on {body.target}", response)
             kept.setdefault(body.name.rpartition(".")[0], []).append(velocity / body.speed)
     found = []
     for machine, shares in kept.items():
@@ -51,7 +51,7 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
     return found
 
 
-def _after_blow(body: str, contact: str, response: Response) -> float:
+def after_blow(body: str, contact: str, response: Response) -> float:
     """Velocity with which a body leaves at the end of its first blow [m/s]: a light floor that comes back meets it
     again before that. Where the contact stays closed, the velocity just before it is lifted."""
     lifted = min((one.t for one in response.blows if one.body == body and one.number == 2), default=float("inf"))

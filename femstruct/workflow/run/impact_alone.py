@@ -19,6 +19,7 @@ from femstruct.study.recorded import Channel
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.coarse_sampling import missed_peaks, missed_pulses
+from femstruct.workflow.judgement.forces_beyond import force_findings, forces_beside, marked
 from femstruct.workflow.judgement.impact_findings import aliased_findings
 from femstruct.workflow.run.struck import clock_of, findings_of
 from femstruct.workflow.stages.places import Places
@@ -51,7 +52,7 @@ def of_history(
 
     Raises InputError when a record names something that has no such quantity.
     """
-    channels = record(study, places, response, rooms)
+    channels, beyond = record(study, places, response, rooms), forces_beside(study, response)
     rows = motion_rows(study, places, basis).items()
     accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
     evaluations, of_evaluations = evaluated(study, places, response, channels)
@@ -61,11 +62,12 @@ def of_history(
         *missed_pulses(study, response),
         *peak_findings(channels),
         *of_evaluations,
+        *force_findings(beyond),
         *fatigue_findings(study, channels),
         *stress_findings({name: channel.stressed for name, channel in channels.items()}),
     )
     cycles = fatigues(study, channels, places, response)
-    return History(channels, mode_energies(response), cycles, evaluations, found)
+    return History(marked(channels, beyond), mode_energies(response), cycles, evaluations, found)
 
 
 def impact_alone(case: Case, key: str, places: Places, basis: ModalBasis, scene: Scene) -> CaseResult:
