@@ -222,6 +222,10 @@ class Meshed(ABC):
         of it [m]: what a torque of a bar that stands on it is spread over."""
         raise FemstructError(f"parts.{self.name}", got="no patch that can turn", expected="a part with a drilling")
 
+    def turning_at(self, places: Floats, reach: float, n_nodes: int) -> csr_array:
+        """As `turning`, of patches around places of it [m, 3]."""
+        raise FemstructError(f"parts.{self.name}", got="no patch that can turn", expected="a part with a drilling")
+
     def turned(self, nodes: Integers, n_nodes: int) -> csr_array:
         """Rows [3 m, n_nodes * 7] of the rotation of its surface at nodes [m], of a part whose nodes do not turn."""
         raise FemstructError(f"parts.{self.name}", got="no rotation at its nodes", expected="a part with a surface")

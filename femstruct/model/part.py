@@ -84,6 +84,11 @@ class Part:
         files."""
         return None
 
+    @property
+    def cell_size(self) -> float:
+        """Largest side of its cells where bars can lie on them beside its nodes [m]; infinite of others."""
+        return np.inf
+
     def lay_out(self, layout: Layout) -> None:
         """Give the layout its grid lines, and the geometry that joints meet."""
 

@@ -38,7 +38,7 @@ class Frame(Part):
 
     material : of an orthotropic one x is along the bars, y and z along those of the section. mesh : largest element
     length [m], None for one element a segment; a line that lies in a plate it is joined to takes the plate's nodes
-    instead. orientation : a vector the section's local z
+    instead, and bars on a slab are no longer than its cells. orientation : a vector the section's local z
     (its height) points along as nearly as it can.
     element : timoshenko18, a bar of three nodes whose frequencies converge with the fourth power of its length;
     timoshenko, of two, with the second where shear matters; euler, without shear and rotary inertia.

@@ -111,6 +111,10 @@ class Slab(GivenNodes):
         corner = from_rectangle(self, axes, np.array([*low, self.offset - self.thickness / 2.0]))
         return Body(corner, axes, np.array([*self.size, self.thickness]), across=2)
 
+    @property
+    def cell_size(self) -> float:
+        return self.mesh
+
     def lay_out(self, layout: Layout) -> None:
         super().lay_out(layout)
         layout.bodies[self.name] = self.body()

@@ -11,6 +11,7 @@ import pytest
 
 import femstruct as fs
 from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.section import rectangle
 
 LIMP = fs.Material("limp", E=1e9, nu=0.0, rho=1000.0)
 WOOD = fs.Material("wood", E=11e9, nu=0.3, rho=450.0)
@@ -148,3 +149,61 @@ def test_a_short_part_is_joined_along_its_side() -> None:
     for fine, coarse in ((0.1, 0.13), (0.13, 0.1)):
         parts = slab("a", fine, (1.2, 1.2)), slab("b", coarse, (1.2, 0.75), origin=(1.2, 0.0, 0.0))
         assert first(parts, (("a", "side 4"),)) == pytest.approx(whole, rel=0.02)  # meshes of 0.13 m
+
+
+RIB = (((0.1, 0.13, 0.0), (1.9, 1.07, 0.0)),)
+
+
+def ribbed(of: fs.Slab | fs.Plate, lines: object, mesh: float | None, count: int = 4, **joint: object) -> np.ndarray:
+    """Frequencies of a slab or plate, all edges held, with ribs of 60 x 100 mm under it [Hz]."""
+    under = (0.0, 0.0, -0.07)
+    rib = fs.Frame(
+        "rib",
+        WOOD,
+        rectangle("b", 0.06, 0.1),
+        lines,
+        mesh=mesh,
+        start_offset=under,
+        end_offset=under,  # type: ignore
+    )
+    region = {"region": fs.Region("set", named="rim")} if isinstance(of, fs.Slab) else {"edge": "all"}
+    held = fs.Support("rim", ("x", "y", "z"), on=of.name, **region)  # type: ignore[arg-type]
+    joints = (fs.Joint("glue", "rib", of.name, **joint),)  # type: ignore[arg-type]
+    model = fs.mesh_structure(fs.Structure("ribbed", (of, rib), joints, supports=(held,)))
+    basis = fs.modal_basis(fs.assemble(model), count=count)
+    return np.asarray(basis.frequency_hz[basis.modes])[:count]
+
+
+@pytest.mark.parametrize(("mesh", "bars"), [(0.1, 0.1), (0.05, 0.1), (0.1, 0.03), (0.1, None)])
+def test_an_oblique_rib_acts_wherever_its_nodes_are(mesh: float, bars: float | None) -> None:
+    """Against a thin plate, which has nodes where the rib has, and 98.38 Hz of a Ritz series of plate and beam."""
+    plate = fs.Plate("floor", WOOD, 0.04, origin=(0.0, 0.0, 0.0), size=(2.0, 1.2), mesh=0.1)
+    found = ribbed(slab("floor", mesh, (2.0, 1.2)), RIB, bars)
+    assert found[0] == pytest.approx(98.38, rel=0.01)  # shear of slab and rib 0.5 %; one node joined 40.6 Hz
+    assert found == pytest.approx(ribbed(plate, RIB, 0.1), rel=0.02)  # shear in higher modes
+
+
+def test_a_rib_beside_lines_of_cells_is_as_one_on_them() -> None:
+    at = 0.63
+    lines = (((0.0, at, 0.0), (2.0, at, 0.0)),)
+    on = ribbed(slab("floor", 0.1, (2.0, 1.2), through=((1.0, at),)), lines, 0.1)
+    assert ribbed(slab("floor", 0.1, (2.0, 1.2)), lines, 0.1) == pytest.approx(on, rel=0.005)  # mesh of 0.1 m
+    slides = ribbed(slab("floor", 0.1, (2.0, 1.2)), lines, 0.1, kind="sliding", slip=1e13)
+    assert slides == pytest.approx(ribbed(slab("floor", 0.1, (2.0, 1.2)), lines, 0.1), rel=1e-4)  # 1 / slip
+    free = ribbed(slab("floor", 0.1, (2.0, 1.2), through=((1.0, at),)), lines, 0.1, kind="sliding", slip=2e6)
+    loose = ribbed(slab("floor", 0.1, (2.0, 1.2)), lines, 0.1, kind="sliding", slip=2e6)
+    assert loose == pytest.approx(free, rel=0.01)  # mesh of 0.1 m
+
+
+@pytest.mark.parametrize("kind", ["rigid", "pinned"])
+def test_ribs_and_posts_beside_nodes_leave_six_rigid_motions(kind: str) -> None:
+    """Every rigid motion violates no equation; a pinned line rib turns about its axis no more than its arms let it."""
+    under = (0.0, 0.0, -0.07)
+    section = rectangle("b", 0.06, 0.1)
+    rib = fs.Frame("rib", WOOD, section, RIB, mesh=0.1, start_offset=under, end_offset=under)
+    post = fs.Frame("post", WOOD, section, (((0.55, 0.85, 0.0), (0.55, 0.85, -1.0)),), mesh=0.5)
+    joints = (fs.Joint("glue", "rib", "floor"), fs.Joint("foot", "floor", "post", kind=kind))  # type: ignore[arg-type]
+    model = fs.mesh_structure(fs.Structure("free", (slab("floor", 0.2, (2.0, 1.2)), rib, post), joints))
+    motions = six_motions(model.mesh.points)
+    assert all(np.abs(tie.rows @ motions).max() < 1e-12 for tie in model.ties)  # rounding
+    assert fs.modal_basis(fs.assemble(model), count=10).n_rigid == {"rigid": 6, "pinned": 9}[kind]

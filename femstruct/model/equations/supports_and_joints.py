@@ -9,6 +9,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, point_rows
+from femstruct.model.equations.bars_on_cells import bars_on_cells, feet_beside_nodes
 from femstruct.model.equations.unlike_lines import Line, of_line, unlike_line
 from femstruct.model.fastened import Elastic, Tie
 from femstruct.model.grid.bars_on_plates import contact, turning_rows
@@ -105,6 +106,10 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
         line = unlike_line((one, other), nodes, TOUCH * tolerance, model.mesh.points)
         if line is not None:
             return _along_line(item, line, (one, other), (springy, values))
+        for i, both in enumerate(((one, other), (other, one))):
+            feet = feet_beside_nodes(*both, nodes[i], nodes[1 - i], TOUCH * tolerance)
+            if len(feet):
+                return bars_on_cells(item, both, feet, (springy, values), model)
     boxes = [part for part in (one, other) if part.box is not None]
     pairs = box_pairs(item, model, tolerance) if boxes else coincident_pairs(item, model, tolerance)
     one, other = (part.around(nodes) for part, nodes in zip((one, other), pairs.T, strict=True))

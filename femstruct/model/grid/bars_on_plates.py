@@ -38,11 +38,15 @@ def contact(pairs: Integers, bars: Meshed, plate: Meshed, points: Floats) -> Flo
 
     pairs [p, 2] : nodes of the bars and of the plate. points : of all nodes [m].
     """
+    return touching_face(pairs[:, 0], points[pairs[:, 1]], bars, plate)
+
+
+def touching_face(nodes: Integers, foot: Floats, bars: Meshed, plate: Meshed) -> Floats:
+    """Where bars touch a plate [p, 3] [m], of nodes of theirs [p] at places in its mid-surface [p, 3] [m]."""
     depth = float(np.linalg.norm(plate.across))
     normal = plate.across / depth
-    foot = points[pairs[:, 1]]
-    heights = np.clip((points[pairs[:, 0]] + bars.beside(pairs[:, 0]) - foot) @ normal, -depth, depth)
-    along = np.isin(pairs[:, 0], _within(bars, pairs[:, 0]))
+    heights = np.clip((bars.places[nodes - bars.first] + bars.beside(nodes) - foot) @ normal, -depth, depth)
+    along = np.isin(nodes, _within(bars, nodes))
     found: Floats = foot + np.outer(np.where(along, heights, 0.0), normal)
     return found
 

@@ -18,6 +18,7 @@ from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.structure import Joint, PlaceOn, Structure, extent
 
+_ROUNDING = 1e-9  # of a diagonal of cells
 RELATIVE_TOLERANCE = 1e-6
 """Places closer than this share of the structure's extent are one place."""
 
@@ -114,6 +115,31 @@ def _at_corners(layout: Layout, parts: Sequence[Part]) -> None:
                 for corner in corners[near <= layout.tolerance]:
                     layout.on_bars(part.name, corner)
                 layout.share(segment, corners[near <= layout.tolerance])
+                _between_nodes(layout, segment, other, corners[near <= layout.tolerance])
+
+
+def _between_nodes(layout: Layout, segment: Segment, other: Part, common: Floats) -> None:
+    """Bars no longer than the cells that they lie on beside the nodes there, as oblique ribs do: they are joined at
+    their ends alone. common [n, 3] : nodes on the bars, which divide them already."""
+    body = other.body()
+    if not np.isfinite(other.cell_size) or body is None or body.across is None:
+        return
+    local = (segment.feet - body.corner) @ body.axes.T
+    heights = (other.corners()[:1] - segment.feet) @ body.axes[body.across]
+    if np.abs(heights).max() > layout.tolerance:
+        return
+    size = float(body.size[0]), float(body.size[1])
+    stretch = clip(local[0], local[1], size, layout.tolerance)
+    if stretch is None:
+        return
+    along = segment.feet[1] - segment.feet[0]
+    shares = np.sort(np.concatenate([stretch, (common - segment.feet[0]) @ along / (along @ along)]))
+    wide = np.diff(shares) * np.linalg.norm(along) > np.sqrt(2.0) * other.cell_size * (1.0 + _ROUNDING)
+    middles = segment.feet[0] + ((shares[1:] + shares[:-1])[wide, None] / 2.0) * along
+    apart = np.linalg.norm(middles[:, None] - other.corners()[None], axis=2).min(axis=1)
+    axis = layout.grids[segment.key]
+    if (apart <= other.cell_size).any():  # elsewhere they lie over an opening
+        axis.size = min(axis.size, other.cell_size)
 
 
 def _from_line(places: Floats, start: Floats, end: Floats) -> Floats:

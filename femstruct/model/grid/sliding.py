@@ -40,7 +40,7 @@ def sliding(
             got=f"sliding, and {item.a} and {item.b} that touch at single places",
             expected="parts that touch along a line",
         )
-    held, across = _across(len(pairs), which, along, axes)
+    held, across = across_lines(len(pairs), which, along, axes)
     tie = Tie(item.name, _relative(pairs[held], at[held], across, model), across, grounded=False)
     rows = _relative(pairs[which], at[which], along, model)
     nothing = np.zeros(len(lengths))
@@ -64,7 +64,7 @@ def _lines(pairs: Integers, parts: tuple[Meshed, Meshed], points: Floats) -> tup
     return order, np.tile(spread[2][0], (len(order), 1)), lengths
 
 
-def _across(count: int, which: Integers, along: Floats, axes: Floats) -> tuple[Integers, Floats]:
+def across_lines(count: int, which: Integers, along: Floats, axes: Floats) -> tuple[Integers, Floats]:
     """What is held of `count` pairs: numbers of pairs [r] and directions [r, 3], across those that slide.
 
     Along the axes of a plate, as far as they are across: equations along them couple fewest unknowns.

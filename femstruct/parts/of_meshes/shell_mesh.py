@@ -126,10 +126,13 @@ class ShellMesh(CellsMesh):
 
     def turning(self, nodes: Integers, reach: float, n_nodes: int) -> csr_array:
         """As of a plate: the rigid turn of the ends of a cross around each node, as far as they lie on it."""
+        return self.turning_at(self.places[nodes - self.first], reach, n_nodes)
+
+    def turning_at(self, places: Floats, reach: float, n_nodes: int) -> csr_array:
         axes = self.own_axes
         if axes is None:
-            return super().turning(nodes, reach, n_nodes)
-        corners, rows = cross_turning(self.cells, self.places[nodes - self.first], reach, axes)
+            return super().turning_at(places, reach, n_nodes)
+        corners, rows = cross_turning(self.cells, places, reach, axes)
         return sparse_rows(self.first + corners, rows, n_nodes)
 
     def dofs(self) -> OwnDofs:
