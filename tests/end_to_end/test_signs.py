@@ -622,3 +622,43 @@ time: {duration: 0.1 s, sampling: 5 kHz}
         told = {name: one["channels"][name].attrs["long_name"] for name in ("feet force", "top.z displacement")}
     assert told["feet force"] == "feet force, recorded, with its share of the damping of the modes"
     assert "damping" not in told["top.z displacement"]
+
+
+CANTILEVER = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+sections: {flat: {shape: rectangle, width: 20 mm, height: 10 mm}}
+parts:
+  bar: {type: frame, material: steel, section: flat, lines: [[[0, 0, 0], [1, 0, 0]]], mesh: 25 mm}
+  LUMP
+points: {foot: {on: bar, at: [0, 0, 0]}, tip: {on: bar, at: [1, 0, 0]}}
+supports: {wall: {at: foot, fix: clamped}}
+damping: {ratio: 1 %}
+"""
+STARTED = """
+modes: {up_to: END}
+initial: {velocity: {tip.z: 1 m/s}}
+record: {tip.z: displacement}
+time: {duration: 0.5 s, sampling: 20 kHz}
+"""
+
+
+@pytest.mark.parametrize("lump", ["", "lump: {type: mass, mass: 50 g, at: tip}"])
+def test_a_start_velocity_of_an_elastic_point_is_refused(run: Run, lump: str) -> None:
+    """What moves with it, 0.4 kg of one mode, falls with the number of modes, and the displacement with it."""
+    with pytest.raises(InputError) as refused:
+        run(CANTILEVER.replace("LUMP", lump), STARTED.replace("END", "1 kHz"))
+    assert "tip.z" in str(refused.value) and "kg move with it" in str(refused.value)
+    with pytest.raises(InputError):
+        run(ROD, STARTED.replace("tip.z", "left.x").replace("modes: {up_to: END}", ""))
+
+
+def test_a_start_velocity_of_a_heavy_mass_on_a_bar_does_not_depend_on_the_modes(run: Run) -> None:
+    """20 kg on a bar of 1.57 kg: the displacement is v / w of the mass on the bar's stiffness, 3 E I / l^3."""
+    found = []
+    for end in ("1 kHz", "4 kHz"):
+        case = run(CANTILEVER.replace("LUMP", "lump: {type: mass, mass: 20 kg, at: tip}"), STARTED.replace("END", end))
+        found.append(case.channels["tip.z displacement"].whole)
+    assert found[1] == pytest.approx(found[0], rel=2e-3)  # 33/140 of the bar moves with it in the first mode alone
+    stiffness = 3.0 * 210e9 * 0.02 * 0.01**3 / 12.0
+    by_hand = np.sqrt(20.0 / stiffness) * np.exp(-0.01 * np.pi / 2.0)
+    assert found[0] == pytest.approx(by_hand, rel=2e-2)  # the bar's 0.37 kg: half of 1.9 %

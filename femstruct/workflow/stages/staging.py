@@ -13,8 +13,11 @@ from femstruct.errors import InputError, some_of
 from femstruct.impact.scene.bodies import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
+from femstruct.model.structure import Structure
+from femstruct.parts.mass import Mass
 from femstruct.study.acting import InitialMotion, PlacedBody, PlannedContact, PlannedLink
-from femstruct.study.structures import ModesModel
+from femstruct.study.asked import Spot
+from femstruct.study.structures import BeamModel, ModesModel, RodModel
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places, pushed_otherwise
 from femstruct.workflow.stages.rest import (
@@ -28,6 +31,7 @@ from femstruct.workflow.stages.rest import (
     weighs,
 )
 
+LUMPED = 0.9  # of what moves with a point that is given a velocity: what must be a mass there
 HORIZONTAL = np.cos(np.radians(45.0))
 
 
@@ -53,6 +57,9 @@ def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scen
     bodies = tuple(_body(body, body.name not in resting) for body in study.bodies)
     if basis is not None:
         _refuse_immovable(basis, contacts, links, stage.axis)
+    if basis is not None:
+        for spot, _ in study.initial.velocities:
+            _refuse_massless(spot, study, places, basis)
     velocity = _modal_velocity(study.initial, places, basis) if basis is not None else None
     gravity = GRAVITY if weighs(study) else 0.0
     return Scene(bodies, contacts, links, stage.loads(), velocity, gravity, stage.blows())
@@ -246,6 +253,36 @@ def _refuse_immovable(basis: ModalBasis, contacts: Sequence[Contact], links: Seq
                     expected="a place that can move along the axis of the bodies",
                     do="connect it to `ground` if it is fixed",
                 )
+
+
+def _refuse_massless(spot: Spot, study: Study, places: Places, basis: ModalBasis) -> None:
+    """A start velocity of a point of something that is elastic all around moves the less of it the more modes there
+    are, down to nothing: it needs a rigid part, or a mass that is most of what moves."""
+    where, structure = f"initial.velocity.{spot}", study.structure
+    point = places.point(spot.name, where)
+    if isinstance(structure, Structure):
+        here = [name for name, part in places.parts.items() if np.isin(part.nodes, point.nodes).any()]
+        if not here or any(places.parts[name].rigid for name in here):
+            return
+        names = {spot.name, spot.name.rpartition(".")[0]}
+        lumps = [part.mass for part in structure.parts if isinstance(part, Mass) and part.at in names]
+        mass = 0.0 if spot.what.startswith("r") else sum(lumps)
+    elif isinstance(structure, RodModel | BeamModel):
+        mass = 0.0
+    else:
+        return
+    row = point.probe(spot.what).of(basis.shapes)
+    moving = 1.0 / float(row @ row) if row.any() else np.inf
+    if mass < LUMPED * moving < np.inf:
+        turns, has = spot.what.startswith("r"), f"has a mass of {mass:.3g} kg" if mass else "is elastic all around"
+        told = "" if turns else f": with these modes {moving:.3g} kg move with it, and fewer with more modes"
+        raise InputError(
+            where,
+            got=f"a start velocity of a point that {has}{told}",
+            expected="a point of a rigid block, or a mass at the point that is most of what moves",
+            do=f"add a part {{type: mass, mass: 2 kg, at: {spot.name}}}, let a body strike it, push it with 'loads', "
+            "or start all of a free structure with 'initial: {rigid: ..}'",
+        )
 
 
 def _body(body: PlacedBody, falls: bool) -> Body:
