@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
+from femstruct.conventions import DIRECTIONS
 from femstruct.errors import InputError
 from femstruct.model.model import Model
+from femstruct.model.structure import HARD, SIMPLE
 
 
 def part_masses(model: Model) -> dict[str, float]:
@@ -17,6 +19,24 @@ def part_masses(model: Model) -> dict[str, float]:
     for inert in model.inerts:
         masses[inert.name] = masses.get(inert.name, 0.0) + inert.total
     return {name: mass for name, mass in masses.items() if mass > 0}
+
+
+def simple_edges(model: Model) -> dict[str, str]:
+    """Whether simple supports of edges are "hard" or "soft", by name: those of thin plates, and of sets and boxes of
+    slabs and shells that hold no rotation, or the tangential one alone."""
+    found = {}
+    for item in model.structure.supports:
+        part = None if item.on is None else model.parts.get(item.on)
+        if part is None or not part.has_rotations or not len(part.quads):
+            continue
+        if item.region is None:
+            if item.fix in (*SIMPLE, "roller") and (item.edge is not None or item.line is not None):
+                found[item.name] = "hard"
+        elif item.fix == HARD:
+            found[item.name] = "hard"
+        elif item.fix and item.fix != "clamped" and (item.fix in SIMPLE or set(item.fix) <= set(DIRECTIONS[:3])):
+            found[item.name] = "soft"
+    return found
 
 
 def refuse_unweighed(model: Model, axes: str, what: str) -> None:

@@ -256,6 +256,12 @@ class Meshed(ABC):
         got, expected = f"an edge of '{self.name}'", "one of a plate, slab or shell"
         raise InputError(f"supports.{item.name}.on", got=got, expected=expected)
 
+    def hard_edges(self, item: Support, tolerance: float) -> tuple[Integers, Floats]:
+        """Nodes [m] along free edges that a support names, and the rotation at each about the normal to its edge in the
+        plane of the part, as components [m, 7]: what a hard simple support holds beside the translations."""
+        got, expected = f"'simple hard' of '{self.name}'", "a slab or shell: its elements shear"
+        raise InputError(f"supports.{item.name}.fix", got=got, expected=expected, do="write simple")
+
     def within(self, where: str, region: Region, tolerance: float) -> Integers:
         """Its nodes in a region; sets and boxes are for parts that are meshes."""
         raise InputError(where, got=f"a {region.kind} of {self.name}", expected="a part that is a mesh of a file")

@@ -22,11 +22,14 @@ from femstruct.model.materials.loss_by_frequency import Loss, check_loss
 from femstruct.model.part import Body, Part
 from femstruct.model.region import Facing, Pair, Region, Side
 
-Fix = Literal["simple", "clamped", "roller"]
+Fix = Literal["simple", "simple soft", "simple hard", "clamped", "roller"]
+SOFT: Final = "simple soft"
+HARD: Final = "simple hard"
+SIMPLE: Final = ("simple", SOFT, HARD)
 Edge = Literal["x0", "x1", "y0", "y1", "all"]
 ACROSS: Final = "z"  # of a plate: along its normal
 ABOUT: Final = "about edge"
-FIXED: Final = f"simple, roller, clamped, or a tuple of {', '.join(DIRECTIONS)}"
+FIXED: Final = f"simple, roller, clamped, simple hard, simple soft, or a tuple of {', '.join(DIRECTIONS)}"
 WHOLE = Region("whole")
 
 
@@ -135,11 +138,15 @@ class Support:
     """Held directions: of an edge or line of a plate, of a set or a box of a part that is a mesh, of a point, or of a
     whole part.
 
-    fix : "simple", "roller", "clamped" or directions out of x y z rx ry rz. On a plate's edge or line, `roller` holds
-    the deflection and the slope along the edge, `clamped` everything. `simple` holds what `roller` does and the plate
-    in its own plane, but does not keep it from stretching: all simple supports of a plate that stretches hold only the
-    mean shifts and rotation of their edges there and, where it stands, its weight (`femstruct.model.grid.in_plane`).
-    At a point, a set and in a box `simple` holds x y z and `clamped` all six.
+    fix : "simple", "simple soft", "simple hard", "roller", "clamped" or directions out of x y z rx ry rz. On a plate's
+    edge or line, `roller` holds the deflection and the slope along the edge, `clamped` everything. `simple` holds what
+    `roller` does and the plate in its own plane, but does not keep it from stretching: all simple supports of a plate
+    that stretches hold only the mean shifts and rotation of their edges there and, where it stands, its weight
+    (`femstruct.model.grid.in_plane`).
+    At a point, a set and in a box `simple` holds x y z and `clamped` all six. Elements that shear tell two kinds of
+    simple supports apart along an edge of a slab or shell: `simple soft`, which `simple` is there, leaves all rotations
+    free; `simple hard` holds the tangential one, about the normal to the edge in the plane of the part, along free
+    edges between nodes of the set or in the box, as thin plates and Navier's solution have it.
 
     stiffness : of edges on springs, per length: "z" along the normal of the part [N/m^2], "about edge" against
     rotation about the edge [N m/rad/m]. Edges are those of a plate or a line on it, of a slab or shell its free edges
@@ -206,7 +213,7 @@ def pins(fix: Fix | tuple[str, ...]) -> bool:
     >>> pins("simple"), pins(("z",)), pins("clamped"), pins(("z", "rx"))
     (True, True, False, False)
     """
-    return fix in ("simple", "roller") if isinstance(fix, str) else set(fix) <= set(DIRECTIONS[:3])
+    return fix in (*SIMPLE, "roller") if isinstance(fix, str) else set(fix) <= set(DIRECTIONS[:3])
 
 
 @dataclass(frozen=True)

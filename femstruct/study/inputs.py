@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
 from math import pi, sqrt
 from typing import Any, Final, NamedTuple
 
@@ -14,7 +14,7 @@ from femstruct.model.materials.air_between import AirBetween
 from femstruct.model.materials.lay_up import LayUp, materials_of
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.section import Section
-from femstruct.model.structure import Joint, Structure
+from femstruct.model.structure import HARD, SOFT, Joint, Structure, Support
 from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink, PlannedLoad
 from femstruct.study.asked import RoomPlan
 from femstruct.study.counting import FatigueRequest
@@ -84,7 +84,7 @@ def inputs(study: Study) -> Inputs:
     if isinstance(structure, Structure):
         groups["parts"] = [Item(part.name, _word(part), part.described()) for part in structure.parts]
         _name_nouns(groups)
-        groups["supports"] = [_item(one, "support") for one in structure.supports]
+        groups["supports"] = [_item(_named_edge(one), "support") for one in structure.supports]
         groups["joints"] = [_joint(one) for one in structure.joints]
         groups["constraints"] = [_item(one, _word(one)) for one in structure.constraints]
         groups["points"] = [_item(one, "point") for one in structure.points]
@@ -138,6 +138,13 @@ def _word(noun: object) -> str:
 
 def _item(noun: Any, kind: str, without: tuple[str, ...] = ()) -> Item:
     return Item(noun.name, kind, _flat(one for one in given(noun, UNITS) if one.what not in without))
+
+
+def _named_edge(item: Support) -> Support:
+    """A simple support with the word for what it is: of a thin plate's edge hard, of a set or box soft."""
+    if item.fix != "simple" or (item.region is None and item.edge is None and item.line is None):
+        return item
+    return replace(item, fix=HARD if item.region is None else SOFT)
 
 
 def _flat(found: Any) -> tuple[Given, ...]:

@@ -28,7 +28,7 @@ from femstruct.model.material import Material
 from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.region import Region
-from femstruct.model.structure import ABOUT, ACROSS, Edge, Fix, Support, pins
+from femstruct.model.structure import ABOUT, ACROSS, HARD, SOFT, Edge, Fix, Support, pins
 
 THICKEST: Final = 3.0  # m: no wall of a building is thicker
 MOST_WALLS: Final = 4  # two plates go on from an edge in each of two directions
@@ -39,7 +39,8 @@ def _fix(value: object) -> object:
         return value
     if isinstance(value, list) and value:
         return tuple(only(DIRECTIONS)(one) for one in value)
-    raise refuse(shown_as(value), "simple, roller, clamped or a list of x, y, z, rx, ry, rz", "write it like [z, rx]")
+    expected = "simple, roller, clamped, simple hard, simple soft or a list of x, y, z, rx, ry, rz"
+    raise refuse(shown_as(value), expected, "write it like [z, rx]")
 
 
 def _walls(value: object) -> object:
@@ -76,8 +77,9 @@ class EdgeWallSpec(Spec):
 
 class SupportSpec(Spec):
     """Held directions of an edge or line of a plate (a line: a wall under it), of a set or a box of a part that is a
-    mesh, of a point, or of a whole part; springs along an edge with their loss factor; or walls: how many stand at a
-    pinned edge and take bending waves away, wall: of what."""
+    mesh, of a point, or of a whole part. Along the rim or a side of a slab or shell simple is soft, free to turn every
+    way; simple hard holds its rotation about the normal to the edge, as thin plates have it. Springs along an edge with
+    their loss factor; or walls: how many stand at a pinned edge and take bending waves away, wall: of what."""
 
     one_of = (("on", "at"),)
     at_most_one_of = (("edge", "line", "set", "box"), ("stiffness", "walls"))
@@ -117,6 +119,7 @@ class SupportSpec(Spec):
         along = self.edge is not None or self.line is not None
         among = self.set is not None or self.box is not None
         if self.on is None:
+            here.at("fix").need(self.fix != HARD, f"'{HARD}' of a point", "an edge of a slab or shell", "write simple")
             got = "a set or a box of a point" if among else "an edge or line of a point"
             here.need(not along and not among, got, "only a point, or 'on: PART' with an edge")
             return
@@ -124,6 +127,9 @@ class SupportSpec(Spec):
             do = "of a slab write 'set: rim' or 'set: side 1', of another mesh a set or a box of it"
             here.at("on").wrong(f"'{self.on}'", "the name of a plate", do)
             return
+        hard = here.at("fix")
+        hard.need(not (along and self.fix == SOFT), f"'{SOFT}' of a thin plate", "simple", "soft edges take a slab")
+        hard.need(among or along or self.fix != HARD, f"'{HARD}' of a whole part", "a set or box of a slab or shell")
         here.at("on").known(self.on, "plate" if along else MESHED if among else "part")
         if self.fix is None:
             return

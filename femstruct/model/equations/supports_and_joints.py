@@ -18,7 +18,7 @@ from femstruct.model.grid.sliding import sliding
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 from femstruct.model.rows import node_rows
-from femstruct.model.structure import Joint, Support
+from femstruct.model.structure import HARD, SIMPLE, Joint, Support
 
 _SIX = 6
 TOUCH = 4.0  # tolerances: places of two parts that are nearer touch, as in `coincident_pairs`
@@ -43,7 +43,12 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
     if item.region is not None:
         held = listed(where, _named(item))
         nodes = part.within(f"{where}.{item.region.kind}", item.region, tolerance)
-        return _held(item.name, nodes, np.eye(N_COMPONENTS)[held], n_nodes)
+        tie = _held(item.name, nodes, np.eye(N_COMPONENTS)[held], n_nodes)
+        if item.fix != HARD:
+            return tie
+        turned, about = part.hard_edges(item, tolerance)
+        rows = csr_array(vstack([tie.rows, node_rows(turned, about, n_nodes)]))
+        return Tie(item.name, rows, np.concatenate([tie.directions, np.zeros((len(turned), 3))]), grounded=True)
     if item.edge is None and item.line is None:
         components = part.clamped if item.fix == "clamped" else np.eye(N_COMPONENTS)[listed(where, _named(item))]
         return _held(item.name, part.nodes, components, n_nodes)
@@ -77,7 +82,10 @@ def _named(item: Support) -> object:
     if item.fix == "roller":
         where = f"supports.{item.name}.fix"
         raise InputError(where, got="a roller that is no edge or line", expected="directions", do="write [z]")
-    return {"simple": DIRECTIONS[:3], "clamped": DIRECTIONS}.get(str(item.fix), item.fix)
+    if item.fix == HARD and item.region is None:
+        where = f"supports.{item.name}.fix"
+        raise InputError(where, got="simple hard that is no edge", expected="a set or a box of a slab or shell")
+    return {**dict.fromkeys(SIMPLE, DIRECTIONS[:3]), "clamped": DIRECTIONS}.get(str(item.fix), item.fix)
 
 
 def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elastic | None]:

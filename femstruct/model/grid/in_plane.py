@@ -24,7 +24,7 @@ from femstruct.model.fastened import Tie
 from femstruct.model.grid.geometry import to_rectangle
 from femstruct.model.grid.layout import Layout
 from femstruct.model.model import Model
-from femstruct.model.structure import Joint, Structure, Support
+from femstruct.model.structure import SIMPLE, Joint, Structure, Support
 
 _PARALLEL = 1e-6  # sine of an angle: less is rounding
 _FREE = 1e-6  # of what supports resist most: a rigid motion they resist by less is free
@@ -108,7 +108,7 @@ def _is_one_plane(joint: Joint, model: Model, tolerance: float) -> bool:
 
 
 def _is_simple(item: Support) -> bool:
-    return item.fix == "simple" and (item.edge is not None or item.line is not None)
+    return item.fix in SIMPLE and (item.edge is not None or item.line is not None)
 
 
 def _mean_rows(

@@ -19,6 +19,13 @@ class SectionShare:
     """What layers of one loss factor have of the energy of a plate: their part of its A, B, D and As.
 
     name : of their materials. loss_factor [1]. The parts of all layers sum to the rigidities of the plate.
+
+    >>> from femstruct.model.material import Material
+    >>> from femstruct.model.materials.lay_up import Laminate, Layer
+    >>> skin, core = Material("skin", 30e9, 0.2, 2400.0, 0.01), Material("core", 5e9, 0.2, 800.0, 0.1)
+    >>> shares = Laminate((Layer(skin, 0.01), Layer(core, 0.1), Layer(skin, 0.01))).section.shares
+    >>> [(one.name, one.loss_factor, round(float(one.A[2, 2]) / 1e6)) for one in shares]
+    [('skin', 0.01, 250), ('core', 0.1, 208)]
     """
 
     name: str

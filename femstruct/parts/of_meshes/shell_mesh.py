@@ -40,6 +40,7 @@ from femstruct.parts.of_meshes.stresses_on_faces import stresses_on_faces
 if TYPE_CHECKING:
     from femstruct.parts.shell import Shell
 
+BENT: Final = 0.7  # cosine of 45 degrees, about: edges that meet at less are one line
 FLAT: Final = 1e-9  # largest difference of the normals of the cells of a flat shell
 
 
@@ -194,6 +195,10 @@ class ShellMesh(CellsMesh):
 
     def edge_points(self, item: Support, tolerance: float) -> EdgePoints:
         """Of its free edges between nodes of the named set or in the box."""
+        which, xi, eta, weights, along = edge_gauss(self.cells, *self._free_edges(item, tolerance))
+        return EdgePoints(*self.facet_motion(which, xi, eta), weights, self.cells.normals[which], along)
+
+    def _free_edges(self, item: Support, tolerance: float) -> tuple[Integers, Integers]:
         if item.region is None:
             got = f"an edge or line of '{self.name}', a part that is a mesh"
             raise InputError(f"supports.{item.name}", got=got, expected="a set or a box of it")
@@ -201,8 +206,31 @@ class ShellMesh(CellsMesh):
         cells, corner = self.cells.free_edges(self.within(where, item.region, tolerance) - self.first)
         if not len(cells):
             raise InputError(where, got=f"a {item.region} without a free edge of {self.name}", expected="an edge of it")
-        which, xi, eta, weights, along = edge_gauss(self.cells, cells, corner)
-        return EdgePoints(*self.facet_motion(which, xi, eta), weights, self.cells.normals[which], along)
+        return cells, corner
+
+    def hard_edges(self, item: Support, tolerance: float) -> tuple[Integers, Floats]:
+        """Where edges of a node bend by less than `BENT`, as of a polygon for a curve, it has their mean direction:
+        held about both it would be clamped. At a corner it is."""
+        cells, corner = self._free_edges(item, tolerance)
+        nodes = self.cells.corners[cells]
+        count = np.where(cells < len(self.cells.quads), 4, 3)
+        ends = np.stack([nodes[np.arange(len(cells)), at] for at in (corner, (corner + 1) % count)], axis=1)
+        along = self.cells.points[ends[:, 1]] - self.cells.points[ends[:, 0]]
+        across = np.cross(along, self.cells.normals[cells])
+        across /= np.linalg.norm(across, axis=1)[:, None]
+        node, about = ends.ravel(), np.repeat(across, 2, axis=0)
+        order = np.argsort(node, kind="stable")
+        node, about = node[order], about[order]
+        double = np.flatnonzero(node[1:] == node[:-1])  # a free edge of cells has two edges at a node inside of it
+        cosine = (about[double] * about[double + 1]).sum(axis=1)
+        straight = double[np.abs(cosine) > BENT]
+        about[straight] += np.sign(cosine[np.abs(cosine) > BENT])[:, None] * about[straight + 1]
+        about[straight] /= np.linalg.norm(about[straight], axis=1)[:, None]
+        kept = np.ones(len(node), dtype=bool)
+        kept[straight + 1] = False
+        components = np.zeros((int(kept.sum()), N_COMPONENTS))
+        components[:, 3:6] = about[kept]
+        return self.first + node[kept], components
 
     def stresses(self, n_nodes: int) -> StressPlaces:
         """As `stresses_on_faces`. Raises InputError for smeared ribs, whose stresses are unknown."""

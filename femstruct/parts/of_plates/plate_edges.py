@@ -10,7 +10,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.model.grid.regions import line_points, region_box, region_lines
 from femstruct.model.region import Pair, Region
-from femstruct.model.structure import Support
+from femstruct.model.structure import SIMPLE, Support
 
 STEEP = float(np.cos(np.radians(45.0)))  # of the normal to the vertical: from there on a plate stands
 ORDER = 4  # Gauss points a side of a cell
@@ -64,7 +64,8 @@ def edge_gauss(
 
 
 def edge_components(fix: object, axes: Floats, along: Axis, rigid_in_plane: bool) -> Floats:
-    """Components [m, 7] that simple, roller or clamped holds of the nodes of an edge along an axis of a plate.
+    """Components [m, 7] that simple (hard, as thin plates are), roller or clamped holds of the nodes of an edge along
+    an axis of a plate.
 
     All but `clamped` hold the deflection and the slope along the edge: w_x = -RY where it is parallel to x, w_y = RX
     where to y. `simple` carries, in addition, a plate that stands; one that is rigid in its plane it holds.
@@ -77,7 +78,7 @@ def edge_components(fix: object, axes: Floats, along: Axis, rigid_in_plane: bool
     if fix == "clamped":
         return clamped
     in_plane = clamped[:0]
-    if fix == "simple":
+    if fix in SIMPLE:
         in_plane = clamped[:2] if rigid_in_plane else _carried(axes)
     return np.concatenate([in_plane, clamped[[2, 4 if along == 0 else 3]]])
 

@@ -161,6 +161,9 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
     for name, one in table["hangers"].items():
         screen.print(_hung_told(name, one))
+    if table["simple_supports"]:
+        told = (f"{name} {one}" for name, one in table["simple_supports"].items())
+        screen.print(f"simple supports of edges: {', '.join(told)}")
     if table["degrees_of_freedom"] is not None:
         screen.print(f"{table['degrees_of_freedom']} degrees of freedom")
     screen.print(_modes_told(table))

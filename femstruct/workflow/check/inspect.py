@@ -17,7 +17,7 @@ from femstruct.impact.closer import last_mode_hz
 from femstruct.language import ModelFile, read_any
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
-from femstruct.model.facts import ModelFacts, model_facts
+from femstruct.model.facts import ModelFacts, model_facts, simple_edges
 from femstruct.model.model import Model
 from femstruct.study.asked import Extent, RoomPlan
 from femstruct.study.machine import BlockMode, Sag
@@ -81,6 +81,7 @@ class Inspection:
             "box_m": None if facts is None else [facts.low.tolist(), facts.high.tolist()],
             "counts": {} if facts is None else facts.counts,
             "hangers": {} if self.model is None else hung(self.model),
+            "simple_supports": {} if self.model is None else simple_edges(self.model),
             "degrees_of_freedom": self.degrees_of_freedom,
             "rigid_body_modes": self.basis.n_rigid,
             "first_frequencies_hz": [float(f) for f in self.basis.frequency_hz[self.basis.modes]],
