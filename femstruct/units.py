@@ -41,6 +41,7 @@ _NEAR: Final = 0.75  # how alike an unknown unit and a known one are: kHzz and k
 _TWINS: Final = ("u", "\N{GREEK SMALL LETTER MU}")  # written as the micro sign
 _KINDS: Final = frozenset(unit.exponents for unit in UNITS.values())
 _STRESSES: Final = 1e4  # Pa
+_FREE_FALL: Final = Unit(Decimal("9.80665"), DIMENSIONS["acceleration"].exponents)  # g of an acceleration
 _LONGEST: Final = 80  # characters; no quantity needs more
 
 
@@ -54,10 +55,13 @@ def quantity(value: object, dimension: str) -> float:
 
     Notes
     -----
-    The number is scaled in decimal arithmetic: 70 % is 0.7, not 0.7000000000000001.
+    The number is scaled in decimal arithmetic: 70 % is 0.7, not 0.7000000000000001. Of an acceleration g is 9.80665
+    m/s^2, of a mass a gram.
 
     >>> quantity("5.9 GPa", "pressure"), quantity("40 Ns/m", "damping"), quantity(7850, "density")
     (5900000000.0, 40.0, 7850.0)
+    >>> quantity("2 g", "acceleration"), quantity("2 g", "mass")
+    (19.6133, 0.002)
     """
     return quantity_of(value, (dimension,))[0]
 
@@ -119,7 +123,8 @@ def _read(value: object, dimensions: Mapping[str, Dimension]) -> tuple[float, st
     number, unit_text = match.groups()
     if not unit_text:
         return _finite(float(number), shown, expected), None
-    unit = _known_unit(unit_text) or _unit(unit_text, shown, expected, sample, dimensions)
+    falls = unit_text == "g" and "acceleration" in dimensions and "mass" not in dimensions
+    unit = _FREE_FALL if falls else _known_unit(unit_text) or _unit(unit_text, shown, expected, sample, dimensions)
     try:
         scaled = _finite(float(Decimal(number) * unit.factor), shown, expected)
     except DecimalException:

@@ -662,3 +662,39 @@ def test_a_start_velocity_of_a_heavy_mass_on_a_bar_does_not_depend_on_the_modes(
     stiffness = 3.0 * 210e9 * 0.02 * 0.01**3 / 12.0
     by_hand = np.sqrt(20.0 / stiffness) * np.exp(-0.01 * np.pi / 2.0)
     assert found[0] == pytest.approx(by_hand, rel=2e-2)  # the bar's 0.37 kg: half of 1.9 %
+
+
+def test_a_body_that_lies_on_a_dropped_one_is_answered_with_that(run: Run) -> None:
+    """It was told to have a contact without a gap, which it has."""
+    with pytest.raises(InputError) as refused:
+        run(
+            "structure: none\n",
+            "bodies: {x: {mass: 1 kg, above: ground, drop_height: 1 m}, y: {mass: 2 kg, above: x}}\n"
+            "contacts:\n  cx: {between: [x, ground], law: {type: linear, stiffness: 1 MN/m}}\n"
+            "  cy: {between: [y, x], law: {type: linear, stiffness: 1 MN/m}}\n"
+            "record: {x: velocity}\ntime: {duration: 1 s, sampling: 1 kHz, gravity: true}\n",
+        )
+    assert "at rest on 'x', which falls at first" in str(refused.value)
+
+
+def test_travel_over_the_ground_is_the_displacement(run: Run) -> None:
+    case = run(
+        "structure: none\n",
+        "bodies: {ball: {mass: 100 g, above: ground, speed: 2 m/s}}\n"
+        "contacts: {hit: {between: [ball, ground], law: {type: linear, stiffness: 1 MN/m}}}\n"
+        "record: {ball: [travel, displacement], hit: force}\ntime: {duration: 10 ms, sampling: 200 kHz}\n",
+    )
+    assert (values(case, "ball travel") == values(case, "ball displacement")).all()
+    assert values(case, "ball travel").min() == pytest.approx(-2.0 * np.sqrt(0.1 / 1e6), rel=1e-4)  # v sqrt(m / k)
+
+
+@pytest.mark.parametrize("limit", ["0.5 g", "4.903325 m/s^2"])
+def test_a_limit_of_an_acceleration_takes_g(run: Run, limit: str) -> None:
+    study = f"""
+modes: {{count: 1}}
+initial: {{velocity: {{m.z: -3 m/s}}}}
+record: {{m.z: acceleration}}
+time: {{duration: 0.5 s, sampling: 2 kHz}}
+limits: {{m.z acceleration: {limit}}}
+"""
+    assert run(OSCILLATOR, study).case.study.limits[0].value == pytest.approx(4.903325, rel=1e-12)

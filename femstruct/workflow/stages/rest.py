@@ -179,6 +179,17 @@ def refuse_restless(study: Study) -> None:
     resting = at_rest(study)
     for body in study.bodies:
         if body.name not in resting and not body.dropped and body.speed == 0.0:
+            under = next((one for one in study.bodies if one.name == body.target and one.name not in resting), None)
+            closed = any(
+                one.gap == 0.0 and {*one.between} == {body.name, body.target} for one in planned_contacts(study)
+            )
+            if under is not None and closed:
+                raise InputError(
+                    f"bodies.{body.name}",
+                    got=f"a body at rest on '{under.name}', which falls at first",
+                    expected="one that falls with it, or lies on something at rest",
+                    do=f"give it the drop_height or speed of '{under.name}', or let that one lie: remove its drop",
+                )
             raise InputError(
                 f"bodies.{body.name}",
                 got="a body without a spring or a closed contact that carries it",
