@@ -244,6 +244,21 @@ STRUCTURE: Final = (
         "number of pairs, and do so again whenever the mesh changes.",
     ),
     Entry(
+        "joint-open",
+        "A joint leaves nodes free that lie on the other part: it is open there.",
+        FORBIDS,
+        "nodes of a part lie on cells of the part that it is joined to, which has no node at their place, and parts of "
+        "these kinds are not joined between nodes, as solids are not",
+        "Give both parts the same nodes where they touch, or write a seam.",
+    ),
+    Entry(
+        "joint-rigid-arms",
+        "A joint has rigid arms between nodes of parts that touch.",
+        LIMITS,
+        "a joint with a reach joins nodes that lie on cells of the other part to nodes beside them",
+        "Leave out the reach where slabs, shells and frames touch: they are joined wherever they do.",
+    ),
+    Entry(
         "stiff-layer",
         "The layer is so stiff in shear that the plates that it touches are too stiff in bending.",
         LIMITS,

@@ -140,6 +140,11 @@ class Meshed(ABC):
         their nodes; None of others."""
         return None
 
+    @property
+    def has_cells(self) -> bool:
+        """Whether it can say how far places are off its cells."""
+        return False
+
     def off_cells(self, places: Floats) -> Floats:
         """How far places [p, 3] are off its cells [p] [m]."""
         raise FemstructError(f"parts.{self.name}", got="no cells", expected="a part with edges of cells")

@@ -11,7 +11,9 @@ import pytest
 
 import femstruct as fs
 from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.model import Model
 from femstruct.model.section import rectangle
+from femstruct.parts.findings.joint_springs import joint_open_findings
 
 LIMP = fs.Material("limp", E=1e9, nu=0.0, rho=1000.0)
 WOOD = fs.Material("wood", E=11e9, nu=0.3, rho=450.0)
@@ -207,3 +209,56 @@ def test_ribs_and_posts_beside_nodes_leave_six_rigid_motions(kind: str) -> None:
     motions = six_motions(model.mesh.points)
     assert all(np.abs(tie.rows @ motions).max() < 1e-12 for tie in model.ties)  # rounding
     assert fs.modal_basis(fs.assemble(model), count=10).n_rigid == {"rigid": 6, "pinned": 9}[kind]
+
+
+def test_frames_that_cross_between_their_ends_are_joined_there() -> None:
+    """Each has a node there, and both move as one body; they were refused as 0.6 m apart."""
+    section = rectangle("b", 0.06, 0.1)
+    length = 2.0
+    along = fs.Frame("along", WOOD, section, (((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), element="euler")
+    turned = (((1.2, -0.6, 0.0), (0.8, 0.6, 0.0)),)  # oblique, not at right angles
+    across = fs.Frame("across", WOOD, section, turned, element="euler")
+    model = fs.mesh_structure(fs.Structure("cross", (along, across), (fs.Joint("cross", "along", "across"),)))
+    places = model.mesh.points
+    met = np.linalg.norm(places - [1.0, 0.0, 0.0], axis=1) < 1e-9
+    assert met.sum() == 2 and len(places) == 6
+    (tie,) = model.ties
+    assert np.abs(tie.rows @ six_motions(places)).max() < 1e-12  # rounding
+    assert fs.modal_basis(fs.assemble(model), count=8).n_rigid == 6
+
+
+def findings_of(model: Model) -> dict[str, bool]:
+    return {one.code: one.severe for one in joint_open_findings(model)}
+
+
+def test_what_a_joint_leaves_open_or_bridges_is_a_finding() -> None:
+    """Solids of 2 against 3 cells forbid trust; a rib on rigid arms to nodes beside it limits it; neither alone."""
+    one, other, same = (block(x0, n) for x0, n in ((0.0, 2), (1.0, 3), (1.0, 2)))
+    joints = (fs.Joint("face", "a", "b", kind="pinned"),)
+
+    def solids(second: ImportedMesh) -> Model:
+        parts = fs.Solid("a", one, CONCRETE), fs.Solid("b", second, CONCRETE)
+        return fs.mesh_structure(fs.Structure("solids", parts, joints))
+
+    assert findings_of(solids(other)) == {"joint-open": True}
+    assert findings_of(solids(same)) == {}
+    rib = fs.Frame("rib", WOOD, rectangle("b", 0.06, 0.1), RIB, mesh=0.1)
+    floor = slab("floor", 0.1, (2.0, 1.2))
+
+    def glued(reach: float | None) -> Model:
+        return fs.mesh_structure(fs.Structure("r", (floor, rib), (fs.Joint("glue", "rib", "floor", reach=reach),)))
+
+    assert findings_of(glued(None)) == {}
+    assert findings_of(glued(0.06)) == {"joint-rigid-arms": False}
+
+
+def block(x0: float, n: int) -> ImportedMesh:
+    """A cube of 1 m in one cell along x and n x n across."""
+    line = np.linspace(0.0, 1.0, n + 1)
+    x, y, z = np.meshgrid([x0, x0 + 1.0], line, line, indexing="ij")
+    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    k = np.arange(len(points)).reshape(x.shape)
+    low = [k[:1, :-1, :-1], k[1:, :-1, :-1], k[1:, 1:, :-1], k[:1, 1:, :-1]]
+    high = [k[:1, :-1, 1:], k[1:, :-1, 1:], k[1:, 1:, 1:], k[:1, 1:, 1:]]
+    cells = np.stack([*low, *high], axis=-1).reshape(-1, 8)
+    return ImportedMesh("b.msh", points, k.ravel() + 1, {"hex8": cells}, {"hex8": np.arange(len(cells))}, {})

@@ -18,6 +18,7 @@ from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.structure import Joint, PlaceOn, Structure, extent
 
+_PARALLEL = 1e-6  # sine of an angle: less is rounding
 _ROUNDING = 1e-9  # of a diagonal of cells
 RELATIVE_TOLERANCE = 1e-6
 """Places closer than this share of the structure's extent are one place."""
@@ -172,7 +173,29 @@ def _bars_on_bars(layout: Layout, joint: Joint) -> None:
         for vertex in layout.vertices[one]:
             nearest = min(nearest, float(distance_to_segments(vertex, starts, ends)[0].min()))
             layout.on_bars(other, vertex)
+    for segment in layout.segments[joint.a]:
+        for facing in layout.segments[joint.b]:
+            crossing, apart = _crossing(segment.feet, facing.feet)
+            nearest = min(nearest, apart)
+            if apart <= layout.tolerance:
+                layout.on_bars(joint.a, crossing)
+                layout.on_bars(joint.b, crossing)
     _refuse_apart(layout, joint, nearest)
+
+
+def _crossing(one: Floats, other: Floats) -> tuple[Floats, float]:
+    """The place [3] of a segment [2, 3] where the line of another is nearest, between the ends of both, and how far
+    they are apart there [m]; infinite for parallel ones, and where that is beyond an end."""
+    a, b, away = one[1] - one[0], other[1] - other[0], other[0] - one[0]
+    normal = np.cross(a, b)
+    square = float(normal @ normal)
+    if square <= _PARALLEL**2 * float(a @ a) * float(b @ b):
+        return one[0], inf
+    s, t = float(np.cross(away, b) @ normal) / square, float(np.cross(away, a) @ normal) / square
+    place = one[0] + s * a
+    if not (0.0 <= s <= 1.0 and 0.0 <= t <= 1.0):
+        return place, inf
+    return place, float(np.linalg.norm(place - other[0] - t * b))
 
 
 def _bars_on_rectangle(layout: Layout, joint: Joint, frame: str, plate: str) -> None:

@@ -12,10 +12,13 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import Finding
 from femstruct.model.anchors import places_of
+from femstruct.model.grid.joined_nodes import coincident_pairs, joined_nodes
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
+from femstruct.model.structure import Joint
 from femstruct.parts.spring import Spring
 
+_TOUCHING = 4e-6  # of the size of the structure: places of two parts that are nearer are one, as in joints
 FAR = 0.2  # of the size of the structure, across the direction of a stiffness: hangers and isolators are shorter
 
 
@@ -44,6 +47,56 @@ def joint_spring_findings(model: Model) -> tuple[Finding, ...]:
             )
         )
     return tuple(found)
+
+
+def joint_open_findings(model: Model) -> tuple[Finding, ...]:
+    """Joints that leave nodes of one part free that lie on cells of the other, and joints with rigid arms there."""
+    found = []
+    for joint in model.structure.joints:
+        parts = model.parts[joint.a], model.parts[joint.b]
+        rows = [tie.rows for tie in model.ties if tie.name == joint.name]
+        rows += [spring.rows for spring in model.elastics if spring.name == joint.name]
+        if any(part.box is not None for part in parts) or not rows:
+            continue
+        joined = np.unique(np.concatenate([one.indices for one in rows]) // N_COMPONENTS).astype(np.int64)
+        for one, other in (parts, parts[::-1]):
+            if other.has_cells and (one.has_cells or len(one.lines)):
+                found += _armed(joint, model, one, other) if joint.reach else _open(joint, model, one, other, joined)
+    return tuple(found)
+
+
+def _armed(joint: Joint, model: Model, one: Meshed, other: Meshed) -> list[Finding]:
+    """Rigid arms from nodes of one part that lie on cells of the other to the nodes of these."""
+    within = _TOUCHING * _size(model)
+    pairs = coincident_pairs(joint, model, within)
+    pairs = pairs if one.name == joint.a else pairs[:, ::-1]
+    places = model.mesh.points[pairs]
+    arms = np.asarray(np.linalg.norm(places[:, 1] - places[:, 0], axis=1))
+    arms = arms[(other.off_cells(places[:, 0]) <= within) & (arms > within)]
+    if not len(arms):
+        return []
+    message = (
+        f"{joint.name}: {len(arms)} nodes of {one.name} that lie on {other.name} are joined to nodes beside them by "
+        f"rigid arms of up to {1e3 * arms.max():.3g} mm, which make it too stiff"
+    )
+    return [Finding("joint-rigid-arms", message, {"arms": len(arms), "arm_m": float(arms.max())})]
+
+
+def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Integers) -> list[Finding]:
+    """Nodes of one part that lie on cells of the other, and that a joint leaves free."""
+    within = _TOUCHING * _size(model)
+    own = joined_nodes(joint, one.name, model, within)
+    nodes = np.intersect1d(one.lines.ravel(), own) if len(one.lines) else own
+    on = nodes[other.off_cells(model.mesh.points[nodes]) <= within]
+    free = np.setdiff1d(on, joined)
+    if not len(free):
+        return []
+    extent = float(np.linalg.norm(np.ptp(model.mesh.points[free], axis=0)))
+    message = (
+        f"{joint.name}: {len(free)} of {len(on)} nodes of {one.name} that lie on {other.name} are joined to nothing, "
+        f"over {extent:.3g} m, since {other.name} has no nodes there. The joint is open between those that are joined"
+    )
+    return [Finding("joint-open", message, {"free": len(free), "touching": len(on), "extent_m": extent}, severe=True)]
 
 
 def _neighbours(part: Meshed, joined: Integers) -> bool:

@@ -78,6 +78,18 @@ class CellsMesh(Meshed):
     def facet_motion(self, which: Integers, xi: Floats, eta: Floats) -> tuple[Integers, Floats]:
         """Motion at places in facets [p]: nodes [p, 4] of the whole structure, rows [p, 6, 4, 7], global axes."""
 
+    @property
+    def has_cells(self) -> bool:
+        return True
+
+    def off_cells(self, places: Floats) -> Floats:
+        found: Floats = np.linalg.norm(nearest_places(self.facets, places).positions - places, axis=1)
+        return found
+
+    def motion_on_cells(self, places: Floats) -> tuple[Integers, Floats]:
+        found = nearest_places(self.facets, places)
+        return self.facet_motion(found.cells, found.xi, found.eta)
+
     @abstractmethod
     def facet_reach(self, facet: int, tolerance: float) -> float:
         """How far off a facet a place of it may be [m]."""

@@ -14,7 +14,7 @@ from femstruct.errors import InputError
 from femstruct.model.imported.facing import frame_across, outwards
 from femstruct.model.imported.flat_cells import FlatCells
 from femstruct.model.imported.imported_mesh import put_where
-from femstruct.model.imported.nearest import cross_turning, nearest_places
+from femstruct.model.imported.nearest import cross_turning
 from femstruct.model.imported.shell_cells import (
     Sections,
     cell_matrices,
@@ -162,14 +162,6 @@ class ShellMesh(CellsMesh):
     def edges_of_cells(self) -> Integers:
         sides = np.stack([self.quads, np.roll(self.quads, -1, axis=1)], axis=2).reshape(-1, 2)
         return np.unique(np.sort(sides[sides[:, 0] != sides[:, 1]], axis=1), axis=0)
-
-    def off_cells(self, places: Floats) -> Floats:
-        found: Floats = np.linalg.norm(nearest_places(self.cells, places).positions - places, axis=1)
-        return found
-
-    def motion_on_cells(self, places: Floats) -> tuple[Integers, Floats]:
-        found = nearest_places(self.cells, places)
-        return self.facet_motion(found.cells, found.xi, found.eta)
 
     def facet_reach(self, facet: int, tolerance: float) -> float:
         """Half its thickness, on whose face a place is."""

@@ -22,7 +22,7 @@ from femstruct.parts.findings.arrangement import arrangement_findings, overhang_
 from femstruct.parts.findings.connections import pieces
 from femstruct.parts.findings.eccentric import eccentric_findings
 from femstruct.parts.findings.folded import folded_findings
-from femstruct.parts.findings.joint_springs import far_spring_findings, joint_spring_findings
+from femstruct.parts.findings.joint_springs import far_spring_findings, joint_open_findings, joint_spring_findings
 from femstruct.parts.findings.losses.layer_losses import layer_loss_findings
 from femstruct.parts.findings.losses.total_losses import total_loss_findings
 from femstruct.parts.findings.reduced_band import reduced_findings
@@ -101,6 +101,7 @@ def structure_findings_before(
         found += arched_findings(model)
         found += wide_rib_findings(model)
         found += joint_spring_findings(model)
+        found += joint_open_findings(model)
         found += far_spring_findings(model)
         found += constraint_findings(model)
         found += cavity_findings(model)
