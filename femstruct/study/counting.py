@@ -14,8 +14,8 @@ if TYPE_CHECKING:  # a model's modes need none of it
 @dataclass(frozen=True)
 @checked("fatigue")
 class FatigueRequest:
-    """Rainflow cycles of a recorded channel, and the damage they do by an S-N line; of a stress, at the place where its
-    part is stressed most, on the worst plane. under : the random excitation of `vibration` that it answers, with a
+    """Rainflow cycles of a recorded channel, and the damage they do by an S-N line; of a stress, at the place of its
+    part with the most damage, on the worst plane. under : the random excitation of `vibration` that it answers, with a
     duration; "" for the history in time.
 
     A weld of detail category 71 in a portal:

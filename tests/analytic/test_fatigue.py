@@ -7,13 +7,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rainflow
 
 import femstruct as fs
 from femstruct import read_results, read_study, run_study, write_results
 from femstruct.errors import InputErrors
 from femstruct.files.tables.study_tables import summary
-from femstruct.impact.result.fatigue import counted, counted_on_planes, rainflow_cycles
+from femstruct.impact.result.fatigue import (
+    counted,
+    counted_on_planes,
+    most_damaged,
+    normals_of,
+    plane_weights,
+    rainflow_cycles,
+)
 from femstruct.impact.result.spectral_fatigue import expected
+from femstruct.workflow.stages.modal_bases import solve_all
 
 MODEL = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
 BAR = """
@@ -143,6 +152,68 @@ time: {duration: 1 s, sampling: 20 kHz}
     within = 8e-3  # it falls by pi zeta in half a period; shear beside the bending
     assert found.largest == pytest.approx(2.0 * stress.whole, rel=within)
     assert found.on.startswith("(0, ") and "normal to (1, 0, 0)" in found.on
+
+
+LINES = [fs.SNLine(71e6, category=True), fs.SNLine(90e6, 2e6, 5.0), fs.SNLine(90e6, 2e6, 0.7), None]
+
+
+def damage_of(history: np.ndarray, line: fs.SNLine | None) -> float:
+    """By the package `rainflow` and Miner's sum, written out; without a line the largest range."""
+    cycles = [(size, count) for size, _, count, _, _ in rainflow.extract_cycles(history)]
+    if line is None:
+        return float(max(size for size, _ in cycles))
+    return float(sum(count / line.endured(np.array([size]))[0] for size, count in cycles))
+
+
+@pytest.mark.parametrize("line", LINES)
+@pytest.mark.parametrize("components", [("xx",), ("xx", "yy", "xy")])
+def test_the_most_damaged_place_is_that_of_all_places_counted_one_by_one(
+    line: fs.SNLine | None, components: tuple[str, ...]
+) -> None:
+    """Stresses of random places in four modes that die away, after a blow that is large once somewhere else."""
+    rng = np.random.default_rng(37)
+    t = np.arange(200) / 200.0
+    q = np.array([np.exp(-2.0 * t) * np.sin(2.0 * np.pi * f * t) for f in (3.0, 11.0, 23.0, 41.0)])
+    q = np.vstack([q, np.exp(-(((t - 0.1) / 0.01) ** 2))])
+    for _ in range(2):
+        rows = 60e6 * rng.normal(size=(12, len(components), 5)) * (rng.random((12, 1, 5)) < 0.5)
+        weights = plane_weights(normals_of(components), components)
+        all_of_them = [max(damage_of(one, line) for one in weights @ (place @ q)) for place in rows]
+        found = most_damaged(rows, q, components, line)
+        assert all_of_them[found] == pytest.approx(max(all_of_them), rel=1e-9)  # the same sums in other orders
+
+
+def test_damage_of_a_stress_is_that_of_its_most_damaged_place(tmp_path: Path) -> None:
+    """A hinged beam: a slow push bends its middle most, once; a quarter rings longer in the second mode."""
+    (tmp_path / "beam.yaml").write_text(
+        "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}\n"
+        "sections: {bar: {shape: rectangle, width: 40 mm, height: 20 mm}}\n"
+        "parts: {bar: {type: frame, material: steel, section: bar, mesh: 250 mm, lines: [[[0, 0, 0], [1, 0, 0]]]}}\n"
+        "points: {a: {on: bar, at: [0, 0, 0]}, b: {on: bar, at: [1, 0, 0]}, m: {on: bar, at: [0.5, 0, 0]}, "
+        "q: {on: bar, at: [0.25, 0, 0]}}\n"
+        "supports: {l: {at: a, fix: [x, y, z, rx]}, r: {at: b, fix: [x, y, z, rx]}}\ndamping: {ratio: 1 %}\n",
+        encoding="utf-8",
+    )
+    path = tmp_path / "beam.study.yaml"
+    path.write_text(
+        "model: beam.yaml\nmodes: {up_to: 1 kHz}\nrecord: {bar: stress}\n"
+        "loads:\n  slow: {at: m.z, half_sine: {amplitude: 1500 N, frequency: 5 Hz}}\n"
+        "  ring: {at: q.z, half_sine: {amplitude: 2.5 kN, frequency: 187 Hz}, first: 0.12 s}\n"
+        "fatigue: {f: {of: bar stress, sn: {range: 90 MPa, at: 2e6, slope: 3}}}\n"
+        "time: {duration: 0.3 s, sampling: 5 kHz}\n",
+        encoding="utf-8",
+    )
+    study = read_study(path)
+    case = run_study(study).cases["as given"]
+    assert case.response is not None and case.channels["bar stress"].stressed is not None
+    places = solve_all(study.cases)["as given"].places.stresses("bar", "")
+    rows, q = places.of(case.response.basis.shapes), case.response.q
+    line = fs.SNLine(90e6, 2e6, 3.0)
+    weights = plane_weights(normals_of(places.components), places.components)
+    assert case.fatigue["f"].damage is not None
+    by_place = [max(damage_of(one, line) for one in weights @ (place @ q)) for place in rows]
+    assert case.fatigue["f"].damage == pytest.approx(max(by_place), rel=1e-9)  # the same sums in another order
+    assert by_place[case.channels["bar stress"].stressed.worst] < 0.9 * max(by_place)  # the case is what it says
 
 
 @pytest.mark.parametrize(

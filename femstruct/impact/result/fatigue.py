@@ -19,6 +19,8 @@ KNEE, CUT_OFF = 5e6, 1e8
 """Cycles of EN 1993-1-9: where the slope changes, and where ranges are small enough to do no damage."""
 _CLASSES: Final = "Upper end of the class of ranges; damage from these is too high, the attribute damage is exact"
 BELOW: Final = 5.0  # slope of EN 1993-1-9 beyond the knee
+AT_ONCE: Final = 4_000_000  # stresses in hand at once: 32 MB
+ROUNDING: Final = 1e-9  # of bounds, far above that of their sums
 _TURN: Final = np.pi * (3.0 - np.sqrt(5.0))  # the golden angle
 
 
@@ -149,12 +151,7 @@ def counted_on_planes(
     ones of the components [3, 3], its rows; None for global ones.
     """
     normals = normals_of(components)
-    worst: tuple[float, int, Cycles] | None = None
-    for number, history in enumerate(plane_weights(normals, components) @ stresses):
-        cycles = rainflow_cycles(history)
-        size = cycles.largest if line is None else cycles.damage(line)
-        if worst is None or size > worst[0]:
-            worst = size, number, cycles
+    worst = _worst_plane(plane_weights(normals, components) @ stresses, line, -np.inf)
     assert worst is not None  # there are planes
     found = _told(channel, "Pa", worst[2], line, f"{place}, {plane(normals[worst[1]], axes)}")
     if uneven > 0.0 and line is not None:
@@ -164,6 +161,60 @@ def counted_on_planes(
         return found
     history = plane_weights(normals[[worst[1]]], components)[0] @ alone
     return _beside_modes_alone(found, rainflow_cycles(history), line)
+
+
+def most_damaged(rows: Floats, q: Floats, components: tuple[str, ...], line: SNLine | None) -> int:
+    """The place with the most damage on its worst plane, without an S-N line the largest range.
+
+    rows [p, c, k] : stress components of every place by modal coordinates; q [k, nt] : these.
+
+    Notes
+    -----
+    A cycle of a range r takes 2 r of the variation V of a history, the sum of all its rises and falls, and no range is
+    above its largest R: damage is at most V / 2 R times that of R, where lines are as steep as 1 or more. On a plane R
+    and V are at most the sums of those of the components. Places are counted in the order of this bound, until it is
+    below what was found: the others cannot have more.
+    """
+    weights = plane_weights(normals_of(components), components)
+    bounds = np.empty(len(rows))
+    step = max(1, AT_ONCE // max(len(components) * q.shape[1], 1))
+    for first in range(0, len(rows), step):
+        stresses = np.einsum("pck,kt->pct", rows[first : first + step], q, optimize=True)
+        sizes, moved = np.ptp(stresses, axis=2), np.abs(np.diff(stresses, axis=2)).sum(axis=2)
+        bounds[first : first + step] = _bound(sizes @ np.abs(weights).T, moved @ np.abs(weights).T, line).max(axis=1)
+    found, largest = 0, -np.inf
+    for place in np.argsort(-bounds, kind="stable"):
+        if bounds[place] <= largest:
+            break
+        worst = _worst_plane(weights @ (rows[place] @ q), line, largest)
+        if worst is not None:
+            found, largest = int(place), worst[0]
+    return found
+
+
+def _bound(ranges: Floats, moved: Floats, line: SNLine | None) -> Floats:
+    """What histories can have at most, by their largest ranges and their variation: damage, or the range."""
+    if line is None:
+        return ranges
+    if line.slope < 1.0:
+        return np.full_like(ranges, np.inf)
+    cycles = np.divide(moved, 2.0 * ranges, out=np.zeros_like(ranges), where=ranges > 0.0)
+    bound: Floats = (1.0 + ROUNDING) * cycles / line.endured(ranges)
+    return bound
+
+
+def _worst_plane(histories: Floats, line: SNLine | None, above: float) -> tuple[float, int, Cycles] | None:
+    """What the worst of histories [n, nt] has, its number and cycles; None where none has more than `above`."""
+    bounds = _bound(np.ptp(histories, axis=1), np.abs(np.diff(histories, axis=1)).sum(axis=1), line)
+    worst: tuple[float, int, Cycles] | None = None
+    for number in np.argsort(-bounds, kind="stable"):
+        if bounds[number] < above:
+            break
+        cycles = rainflow_cycles(histories[number])
+        size = cycles.largest if line is None else cycles.damage(line)
+        if size > above:
+            worst, above = (size, int(number), cycles), size
+    return worst
 
 
 def _beside_modes_alone(found: Fatigue, alone: Cycles, line: SNLine | None) -> Fatigue:

@@ -58,8 +58,8 @@ class SNSpec(Spec):
 
 class FatigueSpec(Spec):
     """Rainflow cycles of a recorded channel, of: TARGET QUANTITY, and the damage they do. Of a stress it is the normal
-    stress on the worst plane at the place that is stressed most. Of the history in time or, under: NAME, on the average
-    in the duration of a random excitation of 'vibration'."""
+    stress on the worst plane at the place with the most damage. Of the history in time or, under: NAME, on the average
+    in the duration of a random excitation of 'vibration', at the place that is stressed most."""
 
     makes = FatigueRequest
     of: Annotated[Text, Refers()]

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from femstruct.errors import Finding
-from femstruct.impact.result.fatigue import Fatigue, SNLine, counted, counted_on_planes
+from femstruct.impact.result.fatigue import Fatigue, SNLine, counted, counted_on_planes, most_damaged
 from femstruct.impact.result.response import Response
 from femstruct.study.counting import FatigueRequest
 from femstruct.study.recorded import Channel
@@ -21,7 +21,7 @@ from femstruct.study.study import Study
 from femstruct.units import readable
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.recorded.channels import motion_rows, moved
-from femstruct.workflow.stages.recorded.stresses import uneven
+from femstruct.workflow.stages.recorded.stresses import stressed_at, uneven
 
 CONVERGED = 0.05  # of a peak: what residual vectors may make of it
 MISSED = 0.02  # of a peak: what samples may miss of it before cycles are counted from them
@@ -31,8 +31,9 @@ CHANGED = 5.0  # per cent: by how much a change against the baseline may depend 
 def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, response: Response) -> dict[str, Fatigue]:
     """Rainflow cycles of the histories that a study asks for, by name.
 
-    Of a stress the components at the place where the part is stressed most are counted: the recorded history, which is
-    the largest equivalent stress anywhere, has no sign. Histories without residual vectors are counted beside them.
+    Of a stress the components at the place with the most damage are counted: the recorded history, which is the largest
+    equivalent stress anywhere, has no sign, and what is largest once need not be what comes often. Histories without
+    residual vectors are counted beside them.
     """
     found: dict[str, Fatigue] = {}
     basis = response.basis
@@ -42,14 +43,15 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
         channel = channels[request.of]
         if channel.stressed is not None:
             part = request.of.rpartition(" ")[0]
-            rows = places.stresses(part, f"fatigue.{request.name}.of").at(channel.stressed.worst)
-            in_modes, names, where = rows.of(basis.shapes)[0], rows.components, channel.stressed.where
-            alone = None if true.all() else (in_modes * true) @ response.q
-            open_share = uneven(channel.stressed)
+            everywhere, q = places.stresses(part, f"fatigue.{request.name}.of"), response.q
+            place = most_damaged(everywhere.of(basis.shapes), q, everywhere.components, request.sn)
+            stressed = stressed_at(everywhere, place, response, q)
+            rows = everywhere.at(place)
+            in_modes, names, where = rows.of(basis.shapes)[0], rows.components, stressed.where
+            alone = None if true.all() else (in_modes * true) @ q
+            open_share = uneven(stressed)
             axes = None if rows.axes is None else rows.axes[0]
-            one = counted_on_planes(
-                request.of, in_modes @ response.q, names, request.sn, where, alone, open_share, axes
-            )
+            one = counted_on_planes(request.of, in_modes @ q, names, request.sn, where, alone, open_share, axes)
         else:
             what, row = motions.get(request.of, ("", None))
             alone = None if row is None else moved(response, what, row * true)

@@ -70,6 +70,17 @@ def largest_stress(places: StressPlaces, response: Response, q: Floats) -> tuple
     return found.history, judged(places, response.basis.shapes, found.largest, _at(places, then), times)
 
 
+def stressed_at(places: StressPlaces, place: int, response: Response, q: Floats) -> LargestStress:
+    """The largest equivalent stress of one place alone, which counts for the most stressed one, and how well the mesh
+    resolves it there. q [k, nt] : the modal coordinates of the response."""
+    shapes = response.basis.shapes
+    own = von_mises(places.at(place).of(shapes) @ q, places.components)[0]
+    sample, largest = int(own.argmax()), np.zeros(len(places.places))
+    largest[place] = own[sample]
+    times = np.where(largest > 0.0, response.t[sample], 0.0)
+    return judged(places, shapes, largest, _at(places, q[:, sample]), times)
+
+
 def stress_at_rest(places: StressPlaces, displacement: Floats, weight: bool = False) -> LargestStress:
     """The equivalent stress at every place of a structure at rest. displacement [n_nodes, 7] : of its nodes. weight :
     whether it weighs."""
