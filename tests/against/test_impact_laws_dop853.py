@@ -40,7 +40,7 @@ LAWS: dict[str, tuple[Law, Force]] = {
         lambda d, u: 1e8 * d**1.5 * (1 + 3 * (1 - 0.64) / 10 * u),
     ),
     "cubic": (Cubic(1e5, 3e11, 0.2), lambda d, u: (1e5 * d + 3e11 * d**3) * (1 + 0.2 * u)),
-    "table": (Tabulated(DEPTHS, FORCES, 0.1), lambda d, u: float(CURVE(d)) * (1 + 0.1 * u)),
+    "table": (Tabulated(DEPTHS, FORCES, 0.1, smooth=True), lambda d, u: float(CURVE(d)) * (1 + 0.1 * u)),
 }
 MASSES, SPEEDS = (0.2, 0.7), (-2.0, 0.5)
 
@@ -97,7 +97,7 @@ def test_two_bodies_collide(name: str) -> None:
 PRESSED: dict[str, tuple[Law, Force]] = {
     "hunt-crossley": (HuntCrossley(1e7, 1.5, 4.0), lambda d, u: 1e7 * d**1.5 * (1 + 4.0 * u)),
     "cubic": (Cubic(1e4, 1e11, 4.0), lambda d, u: (1e4 * d + 1e11 * d**3) * (1 + 4.0 * u)),
-    "table": (Tabulated(DEPTHS, FORCES, 4.0), lambda d, u: float(CURVE(d)) * (1 + 4.0 * u)),
+    "table": (Tabulated(DEPTHS, FORCES, 4.0, smooth=True), lambda d, u: float(CURVE(d)) * (1 + 4.0 * u)),
 }
 
 

@@ -96,6 +96,9 @@ def test_tables(text: str, tmp_path: Path) -> None:
     assert law.dissipation == HuntCrossley.returning(0.6, 2.0, 1.0).dissipation
     sources = read_study(tmp_path / "hit.study.yaml").sources
     assert (CSV in sources.values()) == (text == "file: pad.csv")  # kept with the results
+    smooth = read(tmp_path, f"{{type: table, {text}, restitution: 0.6, smooth: true}}")
+    assert isinstance(smooth, Tabulated)
+    assert (law.smooth, smooth.smooth) == (False, True)
 
 
 def test_two_bodies_meet_with_their_reduced_mass_and_a_drop_tells_the_speed(tmp_path: Path) -> None:

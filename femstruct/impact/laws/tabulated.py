@@ -47,8 +47,9 @@ BEYOND: Final = "beyond-table"
 class Tabulated(Law):
     """f = s(d) (1 + chi d') with s through measured points: indentation [n] [m], force [n] [N].
 
-    Between the points s is a monotone cubic (PCHIP): its slope is continuous and it has no ripple of its own. Both
-    columns begin at 0 and rise. Beyond the last point s goes on along its last slope, and a run that gets there has a
+    Between the points s is a straight line, as it is drawn; smooth : a monotone cubic (PCHIP) in its place, whose slope
+    is continuous and which has no ripple of its own, for a few points of a smooth curve. Both columns begin at 0 and
+    rise. Beyond the last point s goes on along its last slope, and a run that gets there has a
     severe finding, `beyond-table`: the force is then a guess.
 
     dissipation chi [s/m]; tensile : let the dashpot pull.
@@ -72,6 +73,7 @@ class Tabulated(Law):
     forces: Floats
     dissipation: float = 0.0
     tensile: bool = False
+    smooth: bool = False
 
     def __post_init__(self) -> None:
         depth = frozen("table law indentations", self.indentations, (None,))
@@ -94,9 +96,11 @@ class Tabulated(Law):
     @property
     def pieces(self) -> Floats:
         """Rows of indentation, force, slope, the coefficients of x^2 and x^3 after it, and energy [J] up to it."""
-        cubics = scipy.interpolate.PchipInterpolator(self.indentations, self.forces)
-        c3, c2, slope, force = cubics.c
         x = np.diff(self.indentations)
+        if self.smooth:
+            c3, c2, slope, force = scipy.interpolate.PchipInterpolator(self.indentations, self.forces).c
+        else:
+            c3, c2, slope, force = 0.0 * x, 0.0 * x, np.diff(self.forces) / x, self.forces[:-1]
         energy = np.cumsum(x * (force + x * (slope / 2 + x * (c2 / 3 + x * c3 / 4))))
         last = slope[-1] + x[-1] * (2 * c2[-1] + 3 * x[-1] * c3[-1])
         rows = np.zeros((len(self.indentations), NUMBERS))
@@ -117,6 +121,8 @@ class Tabulated(Law):
                 expected=f"at most the last force of the table, {self.forces[-1]:g} N",
                 do="extend the table",
             )
+        if not self.smooth:
+            return float(np.interp(force, self.forces, self.indentations))
         depth = self.indentations[-1]
         spring = scipy.interpolate.PchipInterpolator(self.indentations, self.forces)
         return float(

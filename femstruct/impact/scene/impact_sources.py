@@ -52,7 +52,9 @@ def _ball() -> Tabulated:
     Its four numbers are fitted by least squares to the table below: k 51.8 kN/m, f0 335 N, d0 .827 mm, chi .0596 s/m.
     """
     depth = 1e-3 * np.array([0, 0.2, 0.4, 0.6, 0.8, 1, 1.3, 1.6, 2, 2.5, 3, 4, 5, 7, 10, 15, 20, 30, 40, 50, 60])
-    return Tabulated(depth, 51.848e3 * depth - 335.13 * np.expm1(-depth / 0.82695e-3), dissipation=0.059583)
+    return Tabulated(
+        depth, 51.848e3 * depth - 335.13 * np.expm1(-depth / 0.82695e-3), dissipation=0.059583, smooth=True
+    )
 
 
 # ISO 16283-2:2020 table A.1 = ISO 10140-5 table F.1 = JIS A 1418-2 table A.2, and JIS A 1418-2 table A.1, as quoted in
