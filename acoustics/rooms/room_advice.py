@@ -30,9 +30,7 @@ T60_MISSED: Final = 0.10  # of a reverberation time; .4 dB of the standardised l
 def source_advice(surface: SurfaceVelocity, room: Box, orders: Integers, highest_hz: float) -> tuple[Advice, ...]:
     """Advice on the sampling, the start, the decay and the spacing of the surface's velocity."""
     found = list(sampling_advice(highest_hz, 1 / surface.dt))
-    every = max(1, surface.rates.shape[1] // 4096)  # a ratio to the peak needs no more samples
-    seen = surface.rates[:, ::every]
-    size = np.sqrt(np.einsum("kt,kt->t", seen, _gram(surface) @ seen))
+    size = surface.speed(4096)  # a ratio to the peak needs no more samples
     peak, start, end = float(size.max()), float(size[0]), float(size[-max(1, len(size) // 20) :].max())
     if start > DECAYED * peak:
         found.append(
@@ -149,13 +147,6 @@ def t60_missed(modelled: Mapping[float, float], asked: Mapping[float, float]) ->
             values,
         ),
     )
-
-
-def _gram(surface: SurfaceVelocity) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    gram: np.ndarray[tuple[int, int], np.dtype[np.float64]] = surface.shapes.T @ (
-        surface.weights[:, None] * surface.shapes
-    )
-    return gram
 
 
 def _quadrature_error(surface: SurfaceVelocity, room: Box, orders: Integers) -> float:

@@ -28,6 +28,10 @@ PADDED: Final = 2.0  # length of the transform over that of the record, and ...
 RINGS: Final = (
     1.0  # ... of reverberation times after its end: what comes later, 60 dB down, folds back to its beginning
 )
+STILL: Final = (
+    1e-8  # of the loudest surface's speed: degenerate modes of parts that are not joined mix up to about 1e-11
+)
+SEEN: Final = 4096  # samples of which a surface's largest speed is taken
 _BAND: Final = ("band_hz", "Hz", "Nominal centre of the third octave")
 _SILENCE: Final = 1e-30
 
@@ -42,8 +46,8 @@ class SurfaceShares:
     record. They sum to what the air takes up; a surface that the others push has a negative one, and there is no other
     way to share out sounds that are coherent.
     alone_db [s, b] : sound exposure level, mean over the receivers' energies, when this surface alone moves as it does.
-    They add up to `together_db` [b] in pressure, not in energy. nan where nobody listens, and beyond where the sound
-    ends.
+    They add up to `together_db` [b] in pressure, not in energy. nan where nobody listens, beyond where the sound
+    ends, and of a surface that does not move; its energy is 0.
 
     >>> two = SurfaceShares(("slab", "wall"), ("ceiling", "x0"), [63.0], [[3e-9], [-1e-9]], [[60.0], [55.0]], [61.0])
     >>> float(1e9 * two.total_j[0].round(12)), two.share.ravel().round(9).tolist(), round(two.over_db(1), 1)
@@ -124,17 +128,25 @@ def surface_shares(
     if room.room.loses:
         density = 4.0 * room.room.powers([_vibration(one, length, lines) for one in motion])  # both signs, 2 of 1/2
         energy = step * _by_band(density, lines, bands)
+    still = _still(motion)
+    energy[still & room.room.loses] = 0.0
     alone, together = np.full(energy.shape, nan), np.full(len(bands), nan)
     if receivers:
         heard = [room.room.pressures([[one]], receivers, end_hz)[0] for one in motion]
         spectra = [_spectra(one.p, first.dt, length, lines) for one in heard]
         squares = [(np.abs(one) ** 2).mean(axis=0)[None] for one in (*spectra, sum(spectra))]
         *each, whole = (_exposure_db(2.0 * step * _by_band(one, lines, bands)[0]) for one in squares)
-        alone, together = np.array(each), whole
+        alone, together = np.where(still[:, None], nan, np.array(each)), whole
     names, walls = [one.name for one in room.surfaces], [*room.walls]
     if len(motion) > len(names):
         names, walls = [*names, f"leak of {room.name}"], [*walls, ""]
     return SurfaceShares(tuple(names), tuple(walls), np.array([*bands]), energy, alone, together)
+
+
+def _still(motion: Motion) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Which surfaces [s] move with rounding errors alone: parts that are not joined to what is struck."""
+    peak = np.array([one.speed(SEEN).max() for one in motion])
+    return np.asarray(peak <= STILL * peak.max())
 
 
 def leak_apart(motion: Motion, flow: Floats) -> Motion:

@@ -198,6 +198,32 @@ def test_a_room_that_rings_longer_than_the_record_takes_up_what_its_surfaces_do_
     assert found.total_j[found.bands_hz == 63.0] > 0.5 * work.sum()
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_surface_that_stands_still_is_silent_and_gives_nothing() -> None:
+    """Modes that cancel, as those of two equal parts that are not joined: a sum of rounding errors is no level. The
+    Gram matrix made their square negative."""
+    random, rate = np.random.default_rng(1), 2000.0
+    t = np.arange(1000) / rate
+    x, y = (one.ravel() for one in np.meshgrid((np.arange(12) + 0.5) / 3, (np.arange(9) + 0.5) / 3))
+    tones = np.array([np.sin(2 * np.pi * f * t) * np.exp(-20 * t) * (1 - np.exp(-40 * t)) for f in (40, 57, 80)])
+    rates = np.vstack([tones, -tones])
+    moves, rests = random.normal(size=(len(x), 6)), random.normal(size=(len(x), 3))
+    still = np.hstack([rests, rests]) * 1.1
+    plates = [
+        SurfaceVelocity(np.stack([x, y, 0 * x + z], axis=1), np.full(len(x), 12.0 / len(x)), shapes, rates, 1 / rate)
+        for z, shapes in ((2.5, moves), (0.0, still * (1 + 1e-15 * random.normal(size=still.shape))))
+    ]
+    room = Room(np.array([4.0, 3.0, 2.5]), AIR, losses_from_t60(0.5))
+    around = SimpleNamespace(room=room, surfaces=[SimpleNamespace(name=n) for n in "ab"], walls=["ceiling", "floor"])
+    heard = room.pressures([plates], [Receiver("ear", [1.0, 1.0, 1.2])], 200.0)[0]
+    assert np.isfinite(heard.p).all()
+    found = surface_shares(plates, around, [Receiver("ear", [1.0, 1.0, 1.2])], 200.0)  # type: ignore[arg-type]
+    assert found is not None
+    assert np.isfinite(found.alone_db[0]).all() and np.isnan(found.alone_db[1]).all() and np.isnan(found.over_db(1))
+    assert (found.energy_j[1] == 0.0).all() and found.share[0] == pytest.approx(1.0)
+    assert plates[1].speed(1000).max() < 1e-12 * plates[0].speed(1000).max()  # rounding of sums of 6
+
+
 def test_a_leak_is_no_surface_that_moves(tmp_path: Path) -> None:
     """A wall beside a slab that does not reach it, stiff and held all round: with an open door or without it is silent,
     and all that the door's resistance takes is the door's."""

@@ -72,7 +72,7 @@ def _decibel(value: float) -> str:
 def shares_by_surface(result: StudyResult) -> Grid:
     """A row for every surface: its part of the energy that the air takes up, how loud it is alone, where it is most."""
     grid = Grid(
-        "sound by surface, all third octaves that are complete, whole window",
+        "sound by surface, all third octaves that are complete, whole window; - of a surface: it does not move",
         ("room", "case", "surface", "wall", "active energy", "L_E alone [dB]", "together [dB]", "most at [Hz]"),
         keys=4,
     )
