@@ -1,0 +1,47 @@
+"""Random models against independent answers and relations: `python scripts/verify.py --seconds 600 -o faults`.
+
+Exit 1 if the program answered wrongly, crashed or gave no answer in time, or if nothing was checked. The same seed
+makes the same checks; a check is found again with its capability and --only INDEX.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")  # workers share the cores
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from tests.machine import framework, running  # noqa: E402 (threads and the place of the tests come first)
+
+
+def main() -> int:
+    """The command line."""
+    ask = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    ask.add_argument("--seconds", type=float, default=600.0, help="no new check is begun after this time")
+    ask.add_argument("--seed", type=int, default=1)
+    ask.add_argument("--workers", type=int, default=1)
+    ask.add_argument("--capability", action="append", help="part of a name; may be given again")
+    ask.add_argument("--count", type=int, help="checks of each capability")
+    ask.add_argument("--only", type=int, metavar="INDEX", help="one check of each capability")
+    ask.add_argument("--limit", type=float, default=30.0, help="seconds of one check")
+    ask.add_argument("-o", type=Path, help="folder for models that fail")
+    given = ask.parse_args()
+    wanted = given.capability or [""]
+    chosen = [one for name, one in framework.capabilities().items() if any(part in name for part in wanted)]
+    if given.only is not None:
+        found = [running.check(one, given.seed, given.only, given.limit) for one in chosen]
+    else:
+        found = running.run(chosen, given.seed, given.seconds, given.workers, given.count, given.limit)
+    print(f"seed {given.seed}\n{running.table(chosen, found)}")
+    for path in running.write(found, given.o) if given.o else ():
+        print(f"wrote {path}")
+    checked = any(one.verdict not in ("refused", "generator") for one in found)
+    return int(not checked or any(one.verdict in running.FAULTS for one in found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,143 @@
+"""What the machine checks: random models, asked through the public door, against answers made by another way.
+
+A capability is a name with a function that draws one case; `@capability(...)` makes it known, one file a subject. The
+same seed, name and index draw the same case on every machine and in every order.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+import tempfile
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from tests.data.command_line import femstruct
+
+Model = Mapping[str, Any]
+Floats = np.ndarray
+Kind = Literal["independent", "relation", "limit"]
+SUBJECTS: Final = ("frames",)  # files of this package with capabilities in them
+_DISTRUST: Final = ("forbids trust", "limits trust")
+
+
+class Refused(Exception):
+    """The program refused the input (exit 2)."""
+
+
+class Crashed(Exception):
+    """The program ended with a fault of its own (exit 1, or anything else that is no answer)."""
+
+
+@dataclass
+class Door:
+    """The command line in this process. told : findings, among all that was asked, that take trust from an answer."""
+
+    told: list[str] = field(default_factory=list)
+
+    def ask(self, model: Model, command: str, *words: str, **beside: Model) -> dict[str, Any]:
+        """JSON answer of `femstruct COMMAND model.yaml WORDS --json`; beside : further files, by their name."""
+        with tempfile.TemporaryDirectory() as place:
+            for name, content in {"model": model, **beside}.items():
+                (Path(place) / f"{name}.yaml").write_text(as_yaml(content), encoding="utf-8")
+            ended = femstruct(command, "model.yaml", *words, "--json", cwd=Path(place))
+        if ended.returncode == 2:
+            raise Refused(ended.stderr.strip())
+        if ended.returncode not in (0, 3):
+            raise Crashed(f"exit {ended.returncode}: {ended.stderr.strip()[-2000:]}")
+        answer: dict[str, Any] = json.loads(ended.stdout)
+        severe = [one for one in answer.get("findings", ()) if one.get("severe") or one.get("rank") in _DISTRUST]
+        self.told += [f"{one['code']}: {one['message']}" for one in severe]
+        if ended.returncode == 3 and not severe:
+            self.told.append(f"exit 3: {ended.stderr.strip()[-500:]}")
+        return answer
+
+    def modes(self, model: Model, count: int) -> Floats:
+        """Natural frequencies [Hz]."""
+        return np.array(self.ask(model, "modes", "--count", str(count))["frequency_hz"])
+
+    def statics(self, model: Model, *forces: str, weight: bool = False) -> dict[str, Any]:
+        """Answer at rest; forces such as 'tip.z=-10 N'."""
+        words = [word for force in forces for word in ("--force", force)]
+        return self.ask(model, "statics", *words, *(["--weight"] if weight else []))
+
+
+Answer = Callable[[Model, Door], Floats]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One model, what is asked of it and the right answer.
+
+    asked, right : of a model, so that a shrunk one is judged like the first; an independent answer leaves the door
+    alone, a relation asks it for another model. tolerance : relative to the largest of the right answer; reason : why
+    that much. knobs : dotted paths of the model; numbers below them may be simplified and entries dropped.
+    """
+
+    model: Model
+    asked: Answer
+    right: Answer
+    tolerance: float
+    reason: str
+    knobs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Capability:
+    """draw : a case from random numbers. refuses : the program may refuse what is drawn."""
+
+    name: str
+    kind: Kind
+    draw: Callable[[np.random.Generator], Case]
+    refuses: bool = False
+
+    def case(self, seed: int, index: int) -> Case:
+        """The case of a seed and an index, whatever was drawn before."""
+        return self.draw(np.random.default_rng([seed, zlib.crc32(self.name.encode()), index]))
+
+
+_known: dict[str, Capability] = {}
+
+
+def capability(
+    name: str, kind: Kind, refuses: bool = False
+) -> Callable[[Callable[[np.random.Generator], Case]], Callable[[np.random.Generator], Case]]:
+    """Make a function that draws cases known under a name."""
+
+    def keep(draw: Callable[[np.random.Generator], Case]) -> Callable[[np.random.Generator], Case]:
+        if name in _known and _known[name].draw.__module__ != draw.__module__:
+            raise ValueError(f"capability {name!r}: two files have it, expected one name for one thing")
+        _known[name] = Capability(name, kind, draw, refuses)
+        return draw
+
+    return keep
+
+
+def capabilities() -> dict[str, Capability]:
+    """All that are known, by name."""
+    for subject in SUBJECTS:
+        importlib.import_module(f"tests.machine.{subject}")
+    return dict(sorted(_known.items()))
+
+
+def as_yaml(model: Model) -> str:
+    """The text of a model's file."""
+    text = io.StringIO()
+    YAML(typ="safe", pure=True).dump(_plain(model), text)
+    return text.getvalue()
+
+
+def _plain(value: Any) -> Any:
+    """Numbers of numpy as numbers of Python."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(one) for one in value]
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,107 @@
+"""The machine itself: what it must find, that it draws the same again, and a fixed seed of it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.independent.frames import Tube, clamped_frequencies, tip_at_rest
+from tests.machine import running
+from tests.machine.framework import Capability, Case, Door, Model, Refused, capabilities
+
+NAME = "frames: tip at rest"
+
+
+def _planted(rng: np.random.Generator) -> Case:
+    """A reference that is 1 % wrong."""
+    case = capabilities()[NAME].draw(rng)
+    return replace(case, right=lambda model, door: 1.01 * case.right(model, door))
+
+
+def test_a_planted_fault_is_found_shrunk_and_written(tmp_path: Path) -> None:
+    planted = Capability(NAME, "independent", _planted)
+    found = running.check(planted, 1, 0)
+    assert found.verdict == "fault"
+    assert np.allclose(np.array(found.right) / np.array(found.got), 1.01, rtol=1e-5)  # 1 % planted; answers to 1e-6
+    (path,) = running.write([found], tmp_path)
+    text = path.read_text(encoding="utf-8")
+    assert "# got " in text and "# right " in text and "rho: 0.0" not in text
+    drawn = planted.case(1, 0).model
+    assert len(found.model) < len(running.as_yaml(drawn))
+
+
+def test_the_same_seed_makes_the_same_checks() -> None:
+    one = capabilities()[NAME]
+    first, again = one.case(3, 5), one.case(3, 5)
+    assert first.model == again.model and first.model != one.case(3, 6).model != one.case(4, 6).model
+    assert running.judge(NAME, 5, first) == running.judge(NAME, 5, again)
+
+
+def test_what_is_no_answer_is_told_apart() -> None:
+    case = capabilities()[NAME].case(1, 1)
+    bad = {**case.model, "parts": {}}
+    assert running.judge(NAME, 1, replace(case, asked=lambda _, door: door.modes(bad, 1))).verdict == "refused"
+    assert running.judge(NAME, 1, replace(case, right=lambda *_: 1 / 0)).verdict == "generator"
+    assert running.judge(NAME, 1, replace(case, asked=lambda *_: _spin()), limit=0.2).verdict == "slow"
+    assert running.judge(NAME, 1, replace(case, asked=lambda *_: np.array([np.nan] * 3))).verdict == "fault"
+    assert running.judge(NAME, 1, replace(case, asked=lambda *_: _told())).verdict == "refused"
+
+
+def _spin() -> np.ndarray:
+    while True:
+        pass
+
+
+def _told() -> np.ndarray:
+    raise Refused("no")
+
+
+def test_interval_of_a_rate() -> None:
+    assert running.interval(0, 100) == pytest.approx((0.0, 1 - 0.025 ** (1 / 100)))  # closed form without faults
+    assert running.interval(0, 0) == (0.0, 1.0)
+
+
+def test_the_machine_knows_the_program_by_its_door_alone() -> None:
+    here = Path(__file__).resolve().parent
+    for path in [*here.glob("*.py"), *(here.parent / "independent").glob("*.py")]:
+        assert not re.search(r"^\s*(from|import) (femstruct|acoustics)", path.read_text(encoding="utf-8"), re.M), path
+
+
+def test_frames_by_hand() -> None:
+    tube = Tube(0.02, 0.004, 2e11, 0.3, 7800.0)
+    tip = tip_at_rest(tube, np.array([[0.0, 0, 0], [2, 0, 0]]), np.array([0.0, 0, -5]))
+    assert tip[2] == pytest.approx(-5 * 2**3 / 3 / tube.E / tube.second_moment)  # F L^3 / 3 E I
+    bent = tip_at_rest(tube, np.array([[0.0, 0, 0], [2, 0, 0], [2, 1, 0]]), np.array([0.0, 0, -5]))
+    EI, GJ = tube.E * tube.second_moment, tube.E / 2.6 * 2 * tube.second_moment
+    assert bent[2] == pytest.approx(-5 * (2**3 / 3 / EI + 1 / 3 / EI + 2 / GJ))  # both bend, the first twists
+    own = clamped_frequencies(tube, np.array([[0.0, 0, 0], [2, 0, 0]]), 1)[0]
+    inertia = tube.rho * tube.area
+    assert own == pytest.approx(1.8751041**2 / 2 / pi * np.sqrt(EI / inertia) / 4, rel=1e-6)  # mesh error of 12 bars
+
+
+def test_a_fixed_seed_finds_nothing() -> None:
+    found = running.run(list(capabilities().values()), seed=1, seconds=20, count=3)
+    assert [one for one in found if one.verdict != "right"] == [] and found
+
+
+@pytest.mark.stress
+def test_ten_minutes_find_nothing() -> None:
+    chosen = list(capabilities().values())
+    found = running.run(chosen, seed=2, seconds=600, workers=2)
+    assert [one for one in found if one.verdict != "right"] == [], running.table(chosen, found)
+
+
+def test_a_wrong_answer_with_a_finding_that_takes_trust_is_told() -> None:
+    case = capabilities()[NAME].case(1, 2)
+
+    def coarse(model: Model, door: Door) -> np.ndarray:
+        door.modes(model, 30)  # bars longer than the waves of the last: coarse-mesh
+        return np.zeros(3)
+
+    found = running.judge(NAME, 2, replace(case, asked=coarse))
+    assert found.verdict == "told" and "coarse-mesh" in found.words
