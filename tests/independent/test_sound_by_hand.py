@@ -1,0 +1,73 @@
+"""The formulations of levels, boxes and open air against closed forms and printed numbers."""
+
+from __future__ import annotations
+
+from math import log10, pi
+
+import numpy as np
+import pytest
+
+from tests.independent import levels
+from tests.independent.plates import Box, SupportedPlate, pressure_in_box, pressure_in_the_open, sine_on_cosine
+
+
+def test_a_weighting_as_printed() -> None:
+    """IEC 61672-1, table 3: 63 Hz -26.2, 250 Hz -8.6, 4 kHz 1.0, 16 kHz -6.6 dB."""
+    f = np.array([levels.exact(one) for one in (63, 250, 1000, 4000, 16000)])
+    assert 20 * np.log10(levels.a_weighting(f)) == pytest.approx([-26.2, -8.6, 0, 1.0, -6.6], abs=0.05)
+    assert np.abs(levels.a_filter(f)) == pytest.approx(levels.a_weighting(f), rel=1e-9)
+
+
+def test_levels_of_a_tone() -> None:
+    """94 dB of 1 Pa rms; a burst of one time constant reaches 1 - 1/e; its exposure lies in its band."""
+    fs = 48000.0
+    t = np.arange(0, 1.0, 1 / fs)
+    tone = np.sqrt(2) * np.sin(2 * pi * 1000 * t)
+    assert levels.fast_maximum(tone, fs) == pytest.approx(93.98, abs=0.01)
+    burst = np.where(t < 0.125, tone, 0.0)
+    assert levels.fast_maximum(burst, fs) == pytest.approx(93.98 + 10 * log10(1 - np.exp(-1)), abs=0.01)
+    assert levels.third_exposure(tone, fs, 1000) == pytest.approx(93.98, abs=0.02)
+
+
+def test_rating_as_printed() -> None:
+    """A spectrum that is the reference curve has its 60 dB, with 32 dB beyond it still; C_I of equal bands."""
+    curve = np.array(levels.REFERENCE, float)
+    assert levels.impact_rating(curve)[0] == 58  # 32 dB over 16 bands is 2 dB each
+    assert levels.impact_rating(curve + 2)[0] == 60
+    assert levels.impact_rating(curve + 2.1)[0] == 61
+    weighted, c = levels.impact_rating([60.0] * 16)
+    assert weighted + c == round(60 + 10 * log10(15)) - 15
+
+
+def test_box_is_a_tube_to_its_piston() -> None:
+    """All of the ceiling moves: -j rho c v cos(k z) / sin(k L), in every receiver."""
+    box = Box((1.1, 0.9, 2.0))
+    f, z = np.array([20.0, 70.0, 130.0]), 0.7
+    k = 2 * pi * f / box.c
+    right = -1j * box.rho * box.c * np.cos(k * z) / np.sin(k * 2.0) / (1.1 * 0.9)  # per flow into it
+    found = box.per_flow(2j * pi * f, (0, 0), (0.3, 0.2, z), 2.0, 60)
+    assert found == pytest.approx(right, rel=2e-5)  # tail beyond 60 orders at rest
+
+
+def test_integrals_of_sines_and_cosines() -> None:
+    """By quadrature, also where both have one wavelength."""
+    for m, length, start, order, whole in ((3, 0.7, 0.2, 2, 1.5), (2, 1.0, 0.0, 2, 1.0), (1, 0.5, 0.25, 2, 1.0)):
+        x, w = np.polynomial.legendre.leggauss(60)
+        u = start + length * (x + 1) / 2
+        right = (w * length / 2 * np.sin(m * pi * (u - start) / length) * np.cos(order * pi * u / whole)).sum()
+        assert sine_on_cosine(m, length, start, order, whole) == pytest.approx(right, abs=1e-14)
+
+
+def test_a_stiff_plate_over_a_box_and_in_the_open() -> None:
+    """Slowly, a box is a spring rho c^2 / V of the displaced volume; far away open air has rho a / (2 pi r)."""
+    plate = SupportedPlate(0.6, 0.5, 5e-3, 70e9, 0.3, 2700.0)
+    f, drive = np.array([1.0]), (0.3, 0.25)
+    found = pressure_in_box(Box((0.6, 0.5, 0.4)), plate, (0, 0), drive, (0.1, 0.1, 0.4 / np.sqrt(3)), f, 0.02, 6e4)
+    bent = sum(
+        plate.shape(m, n, drive) / (2 * pi * g) ** 2
+        * 2 / np.sqrt(plate.rho * plate.h * 0.3) * 4 * 0.3 / (pi * pi * m * n) for g, m, n in plate.modes(6e4)
+        if m % 2 and n % 2
+    )  # fmt: skip
+    assert found[0].real == pytest.approx(-1.21 * 343**2 / 0.12 * bent, rel=1e-3)
+    far = pressure_in_the_open(plate, drive, (0, 0, 30.0), f, 0.0, 6e4)
+    assert abs(far[0]) == pytest.approx(1.21 * (2 * pi) ** 2 * bent / (2 * pi * 30.0), rel=1e-3)
