@@ -295,9 +295,11 @@ def _summed(response: Response, row: ForceRow) -> Floats:
 
 
 def motion_of(name: str, study: Study, places: Places, response: Response) -> Floats:
-    """Displacement [nt] of a body or a point along the axis of the bodies [m]."""
+    """Displacement [nt] of a body, a point or the ground along the axis of the bodies [m]."""
     if name in response.bodies:
         return response.bodies[name].displacement
+    if name == "ground":
+        return np.zeros(len(response.t))
     row = _row_along(name, study, places, response)
     return np.zeros(len(response.t)) if row is None else response.displacement(row)
 
