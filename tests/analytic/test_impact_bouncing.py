@@ -194,6 +194,7 @@ def test_energies_of_a_body_at_rest_are_found_at_once(sampling: float) -> None:
         begun = perf_counter()
         found = mode_energies(response)
         assert perf_counter() - begun < 5.0  # s; 0.1 s here
+        # both are sums of the same energies: rounding of 1 J
         assert sum(one.energy for one in found.end) == pytest.approx(response.ledger.end.structure, abs=1e-13)
 
 

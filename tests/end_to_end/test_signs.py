@@ -697,4 +697,5 @@ record: {{m.z: acceleration}}
 time: {{duration: 0.5 s, sampling: 2 kHz}}
 limits: {{m.z acceleration: {limit}}}
 """
+    # 0.5 x 9.80665, a product of two numbers: rounding
     assert run(OSCILLATOR, study).case.study.limits[0].value == pytest.approx(4.903325, rel=1e-12)

@@ -67,6 +67,7 @@ def test_dissipation_of_a_restitution(e: float) -> None:
     chi = chi_of_restitution(e, 2.0)
     for law in (power(1e9, 1.5, chi), factored(lambda d, _: 1e5 * d, chi)):
         path = run(_hit(law), 0.05)
+        # chi of a law is solved to 1e-8
         assert path.speed("a", np.array([0.05]))[0] / 2.0 == pytest.approx(e, rel=1e-7)
 
 
@@ -108,6 +109,7 @@ def test_one_way_dashpots() -> None:
     # going down (closing) to the turn, then up (opening) to the next: extrema lie where the speed is 0
     turn = acos(z[0]) / (sqrt(k / m) * sqrt(1 - z[0] ** 2))
     low, high = path.moved("m", np.array([turn, turn + halves[1]]))
+    # rtol 1e-11 over the periods until the turn
     assert path.speed("m", np.array([turn]))[0] == pytest.approx(0.0, abs=1e-9)
     assert -high / low == pytest.approx(exp(-pi * z[1] / sqrt(1 - z[1] ** 2)), rel=CLOSE)
 
@@ -119,6 +121,7 @@ def test_a_preload_and_a_weight() -> None:
     path = run(chain, 0.05)
     t = np.linspace(0, 0.05, 20)
     right = 0.1 / sqrt(k / m) * np.sin(sqrt(k / m) * t)  # 22 N at most: never open
+    # rounding and rtol 1e-11 of a motion of tenths of a millimetre
     assert np.abs(path.moved("a", t) - right).max() < 1e-12
     g, v = 9.80665, 1.0
     falls = Chain(bodies={"a": m}, touches=[Touch("c", "a", None, linear(1e7))], weights={"a": -m * g}, start={"a": -v})

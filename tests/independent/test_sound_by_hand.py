@@ -14,7 +14,9 @@ from tests.independent.plates import Box, SupportedPlate, pressure_in_box, press
 def test_a_weighting_as_printed() -> None:
     """IEC 61672-1, table 3: 63 Hz -26.2, 250 Hz -8.6, 4 kHz 1.0, 16 kHz -6.6 dB."""
     f = np.array([levels.exact(one) for one in (63, 250, 1000, 4000, 16000)])
+    # the table of IEC 61672-1 has one decimal
     assert 20 * np.log10(levels.a_weighting(f)) == pytest.approx([-26.2, -8.6, 0, 1.0, -6.6], abs=0.05)
+    # the poles are those of the formula: rounding
     assert np.abs(levels.a_filter(f)) == pytest.approx(levels.a_weighting(f), rel=1e-9)
 
 
@@ -23,9 +25,12 @@ def test_levels_of_a_tone() -> None:
     fs = 48000.0
     t = np.arange(0, 1.0, 1 / fs)
     tone = np.sqrt(2) * np.sin(2 * pi * 1000 * t)
+    # ripple of the time weighting at twice 1 kHz
     assert levels.fast_maximum(tone, fs) == pytest.approx(93.98, abs=0.01)
     burst = np.where(t < 0.125, tone, 0.0)
+    # ripple of the time weighting at twice 1 kHz
     assert levels.fast_maximum(burst, fs) == pytest.approx(93.98 + 10 * log10(1 - np.exp(-1)), abs=0.01)
+    # skirts of the band, which take the ends of a tone
     assert levels.third_exposure(tone, fs, 1000) == pytest.approx(93.98, abs=0.02)
 
 
@@ -55,6 +60,7 @@ def test_integrals_of_sines_and_cosines() -> None:
         x, w = np.polynomial.legendre.leggauss(60)
         u = start + length * (x + 1) / 2
         right = (w * length / 2 * np.sin(m * pi * (u - start) / length) * np.cos(order * pi * u / whole)).sum()
+        # rounding of an integral of about 1
         assert sine_on_cosine(m, length, start, order, whole) == pytest.approx(right, abs=1e-14)
 
 
@@ -68,6 +74,8 @@ def test_a_stiff_plate_over_a_box_and_in_the_open() -> None:
         * 2 / np.sqrt(plate.rho * plate.h * 0.3) * 4 * 0.3 / (pi * pi * m * n) for g, m, n in plate.modes(6e4)
         if m % 2 and n % 2
     )  # fmt: skip
+    # terms of the next order in (k L)^2
     assert found[0].real == pytest.approx(-1.21 * 343**2 / 0.12 * bent, rel=1e-3)
     far = pressure_in_the_open(plate, drive, (0, 0, 30.0), f, 0.0, 6e4)
+    # terms of the next order in L / r
     assert abs(far[0]) == pytest.approx(1.21 * (2 * pi) ** 2 * bent / (2 * pi * 30.0), rel=1e-3)

@@ -26,6 +26,7 @@ def test_damage_of_a_narrow_band() -> None:
     m = by_hand.moments(
         lambda f: np.abs(by_hand.receptance([2 * pi * f0], [z], [1], [1])(2 * pi * f)) ** 2, 40, 60, [f0]
     )
+    # the narrow band still has a width, which Dirlik counts
     assert by_hand.dirlik(m, 4, 1e-3, 1e6, 10) == pytest.approx(by_hand.rayleigh_damage(m, 4, 1e-3, 1e6, 10), rel=0.03)
 
 
@@ -44,19 +45,26 @@ def test_shock_spectrum_of_a_half_sine() -> None:
     step = lasts / 4000
     pulse = np.sin(pi * np.arange(4001) / 4000)
     up, down = by_hand.shock_spectrum(pulse, step, np.linspace(70, 90, 41), 1e-9)
+    # a printed value of three decimals
     assert up.max() == pytest.approx(1.768, abs=0.002)
     assert down == pytest.approx(up, rel=0.5)  # they ring on as far, but not where the pulse holds them
     slow, stiff = (by_hand.shock_spectrum(pulse, step, np.array([f]), z)[0][0] for f, z in ((0.5, 0.0), (5e3, 0.3)))
+    # terms of the next order in f / f_n
     assert slow == pytest.approx(2 * pi * 0.5 * 2 * lasts / pi, rel=1e-3)
+    # terms of the next order in f / f_n
     assert stiff == pytest.approx(1.0, rel=2e-3)
 
 
 def test_weightings_as_printed() -> None:
     """ISO 2631-1, table 3 (factors x 1000): Wk and Wd; ISO 2631-2, table A.1: Wm; KB at its corner."""
     f = np.array([1.0, 4.0, 8.0, 16.0, 63.0])
+    # printed factors have three digits, at true third octave centres
     assert np.abs(by_hand.w_k(f)) * 1000 == pytest.approx([482, 967, 1036, 768, 186], rel=6e-3)
+    # printed factors have three digits, at true third octave centres
     assert np.abs(by_hand.w_d(f)) * 1000 == pytest.approx([1011, 512, 253, 125, 29.5], rel=8e-3)
+    # printed factors have three digits, at true third octave centres
     assert np.abs(by_hand.w_m(f)) * 1000 == pytest.approx([833, 816, 579, 335, 83.6], rel=1.2e-2)
+    # corner of the weighting: the band limits' own share
     assert abs(by_hand.kb(np.array([5.6]))[0]) == pytest.approx(1 / sqrt(2), rel=5e-4)
 
 
@@ -65,7 +73,9 @@ def test_running_rms_of_a_steady_sine() -> None:
     fs = 2000.0
     t = np.arange(0, 2.0, 1 / fs)
     found = by_hand.running_rms(np.sin(2 * pi * 50 * t), fs, 0.125)
+    # ripple of the running mean
     assert found[-200:].mean() == pytest.approx(sqrt(0.5), rel=2e-3)
+    # ripple of the running mean over a few periods
     assert (found[240:260] ** 2).mean() == pytest.approx(0.5 * (1 - np.exp(-1)), rel=0.02)
 
 
