@@ -76,7 +76,7 @@ def structure(element: Literal["bfs16", "hermite12"]) -> Structure:
     edge = Frame("edge", STEEL, BAR, (rim,), mesh=20e-3, element="timoshenko")
     stands = tuple(((x, y, 0.0), (x, y, TOP)) for x, y in POSTS)
     posts = Frame("posts", STEEL, POST, stands, mesh=40e-3, element="timoshenko")
-    foam = Foundation("foam", "slab", Region("rim", size=INSIDE), normal=2.21e5, shear=7.3e4)
+    foam = Foundation("foam", "slab", Region("rim", size=INSIDE), normal=2.21e5, shear=7.3e4, side="middle")
     return Structure(
         "Floor, support frame and slab over a wooden box",
         parts=(floor, slab, edge, posts, foam),

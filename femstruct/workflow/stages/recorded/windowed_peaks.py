@@ -95,9 +95,9 @@ def in_band(values: Floats, sampling: float, band: tuple[float, float], before: 
 
     The impulse of 2 N s of a triangle on 1 kg, its acceleration below 50 Hz: dv 2 f (pi/8) / sin(pi/8)
 
-    >>> t = np.arange(8000) / 40e3
-    >>> found = in_band(np.maximum(4000.0 * (1.0 - 1000.0 * t), 0.0), 40e3, (0.0, 50.0))
-    >>> round(float(found.max()) / (2.0 * 2.0 * 50.0 * (np.pi / 8) / np.sin(np.pi / 8)), 2)
+    >>> t = np.arange(80000) / 400e3
+    >>> found = in_band(np.maximum(4000.0 * (1.0 - 1000.0 * t), 0.0), 400e3, (0.0, 50.0))
+    >>> round(float(found.max() / (2.0 * 2.0 * 50.0 * (np.pi / 8) / np.sin(np.pi / 8))), 2)
     1.0
     """
     low, high = band
