@@ -28,6 +28,7 @@ def main() -> int:
     ask.add_argument("--count", type=int, help="checks of each capability")
     ask.add_argument("--only", type=int, metavar="INDEX", help="one check of each capability")
     ask.add_argument("--limit", type=float, default=30.0, help="seconds of one check")
+    ask.add_argument("--until-fault", action="store_true", help="end at the first fault")
     ask.add_argument("-o", type=Path, help="folder for models that fail")
     given = ask.parse_args()
     wanted = given.capability or [""]
@@ -35,7 +36,8 @@ def main() -> int:
     if given.only is not None:
         found = [running.check(one, given.seed, given.only, given.limit) for one in chosen]
     else:
-        found = running.run(chosen, given.seed, given.seconds, given.workers, given.count, given.limit)
+        plan = (given.seed, given.seconds, given.workers, given.count, given.limit, given.until_fault)
+        found = running.run(chosen, *plan)
     print(f"seed {given.seed}\n{running.table(chosen, found)}")
     for path in running.write(found, given.o) if given.o else ():
         print(f"wrote {path}")

@@ -24,7 +24,7 @@ from tests.data.command_line import femstruct
 Model = Mapping[str, Any]
 Floats = np.ndarray
 Kind = Literal["independent", "relation", "limit"]
-SUBJECTS: Final = ("frames",)  # files of this package with capabilities in them
+_NO_SUBJECTS: Final = ("__init__", "framework", "running")  # files of this package without capabilities
 _DISTRUST: Final = ("forbids trust", "limits trust")
 
 
@@ -121,9 +121,10 @@ def capability(
 
 
 def capabilities() -> dict[str, Capability]:
-    """All that are known, by name."""
-    for subject in SUBJECTS:
-        importlib.import_module(f"tests.machine.{subject}")
+    """All that are known, by name: a file of this package that is no test has some."""
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        if path.stem not in _NO_SUBJECTS and not path.stem.startswith("test_"):
+            importlib.import_module(f"tests.machine.{path.stem}")
     return dict(sorted(_known.items()))
 
 

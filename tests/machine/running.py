@@ -178,19 +178,28 @@ def _check_named(name: str, seed: int, index: int, limit: float) -> Checked:
 
 def run(
     chosen: Sequence[Capability], seed: int, seconds: float, workers: int = 1, count: int | None = None,
-    limit: float = 30.0,
+    limit: float = 30.0, until_fault: bool = False,
 ) -> list[Checked]:  # fmt: skip
-    """Checks in turn of the capabilities until the time is over, or `count` of each is done; in the order drawn."""
+    """Checks in turn of the capabilities until the time is over, or `count` of each is done; in the order drawn.
+
+    until_fault : no new check is begun after the first fault.
+    """
     end = time.monotonic() + seconds
     indices = range(count) if count is not None else itertools.count()
     jobs = ((one, index) for index in indices for one in chosen)
-    if workers == 1:
-        return [check(one, seed, index, limit) for one, index in itertools.takewhile(lambda _: _before(end), jobs)]
     done: list[Checked] = []
+
+    def goes_on() -> bool:
+        return time.monotonic() < end and not (until_fault and any(one.verdict in FAULTS for one in done))
+
+    if workers == 1:
+        for one, index in itertools.takewhile(lambda _: goes_on(), jobs):
+            done.append(check(one, seed, index, limit))  # noqa: PERF401 (goes_on looks at what is done)
+        return done
     waiting: set[Future[Checked]] = set()
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         while True:
-            while len(waiting) < 2 * workers and _before(end) and (job := next(jobs, None)):
+            while len(waiting) < 2 * workers and goes_on() and (job := next(jobs, None)):
                 waiting.add(pool.submit(_check_named, job[0].name, seed, job[1], limit))
             if not waiting:
                 break
@@ -198,10 +207,6 @@ def run(
             done += [one.result() for one in ready]
     place = {one.name: number for number, one in enumerate(chosen)}
     return sorted(done, key=lambda one: (one.index, place[one.capability]))
-
-
-def _before(end: float) -> bool:
-    return time.monotonic() < end
 
 
 def interval(faults: int, checks: int) -> tuple[float, float]:
