@@ -194,7 +194,7 @@ def run(
 
     if workers == 1:
         for one, index in itertools.takewhile(lambda _: goes_on(), jobs):
-            done.append(check(one, seed, index, limit))  # noqa: PERF401 (goes_on looks at what is done)
+            done.append(check(one, seed, index, limit))
         return done
     waiting: set[Future[Checked]] = set()
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
