@@ -1,0 +1,192 @@
+"""How many faults planted by a mutation tool the machine of random models finds by itself.
+
+    python scripts/mutants.py --count 40 --seed 7 --workers 2 -o results/mutants
+
+Mutants are made by the operators of cosmic-ray (`pip install '.[mutants]'`), in copies of the packages. A subject is
+drawn first (elements, joints, losses, ..), then a place in its code, then one of the operators that apply there: large
+files do not hide small ones. Annotations, decorators, `raise` statements and texts of messages are left out, for they
+change no number. Each mutant meets `scripts/verify.py` alone, with seeds that the unchanged code passes; tests are not
+run. What survives is listed with its line, to be read: it is equivalent, or a place that no check reaches.
+"""
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+TOP = Path(__file__).resolve().parents[1]
+
+# Folders and files of each subject; a folder stands for all below it.
+SUBJECTS: Mapping[str, tuple[str, ...]] = {
+    "elements": (
+        "femstruct/elements",
+        "femstruct/parts/of_plates",
+        "femstruct/parts/of_frames",
+        "femstruct/parts/of_meshes",
+    ),
+    "joints": ("femstruct/assembly", "femstruct/model/equations", "femstruct/model/mesher.py"),
+    "losses": ("femstruct/modal/by_frequency", "femstruct/modal/coupled_damping", "femstruct/model/materials"),
+    "laws": ("femstruct/impact/laws", "femstruct/impact/exact", "femstruct/impact/engine"),
+    "rooms": ("acoustics/rooms", "acoustics/cavities", "acoustics/fields"),
+    "levels": ("acoustics/levels",),
+    "readers": ("femstruct/files/inputs", "femstruct/language/model", "femstruct/language/parts"),
+    "sweeps": ("femstruct/campaign", "femstruct/study/campaign"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """One changed place: the operator's name and which of its places in the file it is (from 0)."""
+
+    subject: str
+    file: str
+    line: int
+    operator: str
+    occurrence: int
+
+    def __str__(self) -> str:
+        return f"{self.subject:9} {self.file}:{self.line} {self.operator.removeprefix('core/')}"
+
+
+def _spans_without_numbers(source: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+    """From where to where (line, column) annotations, decorators, raise statements and texts stand."""
+    spans = []
+    for node in ast.walk(ast.parse(source)):
+        found: list[ast.AST | None] = []
+        if isinstance(node, ast.FunctionDef):
+            found = [
+                node.returns,
+                *(each.annotation for each in node.args.args + node.args.kwonlyargs),
+                *node.decorator_list,
+            ]
+        elif isinstance(node, ast.ClassDef):
+            found = [*node.decorator_list, *(each.annotation for each in node.body if isinstance(each, ast.AnnAssign))]
+        elif isinstance(node, ast.AnnAssign):
+            found = [node.annotation]
+        elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
+            found = [node]
+        there = [each for each in found if each is not None]
+        spans += [((each.lineno, each.col_offset), (each.end_lineno or 0, each.end_col_offset or 0)) for each in there]
+    return spans
+
+
+def _mutants_of(subject: str, path: Path) -> Iterator[tuple[tuple[int, int], Mutant]]:
+    """Every mutant of a file that may change a number, with its place."""
+    from cosmic_ray.ast import ast_nodes, get_ast
+    from cosmic_ray.plugins import get_operator, operator_names
+
+    source = path.read_text(encoding="utf-8")
+    tree, spans = get_ast(source), _spans_without_numbers(source)
+    nodes = list(ast_nodes(tree))
+    for name in operator_names():
+        if get_operator(name).arguments():
+            continue
+        operator = get_operator(name)()
+        places = (start for node in nodes for start, _ in operator.mutation_positions(node))
+        for occurrence, place in enumerate(places):
+            if not any(first <= place < last for first, last in spans):
+                yield place, Mutant(subject, str(path.relative_to(TOP)), place[0], name, occurrence)
+
+
+def drawn(count: int, seed: int, subjects: Sequence[str]) -> list[Mutant]:
+    """`count` mutants: subjects in turn, in each a place by chance and an operator that applies there by chance."""
+    rng = random.Random(seed)
+    pools: dict[str, dict[tuple[str, tuple[int, int]], list[Mutant]]] = {}
+    for subject in subjects:
+        pool: dict[tuple[str, tuple[int, int]], list[Mutant]] = {}
+        for entry in SUBJECTS[subject]:
+            top = TOP / entry
+            if not top.exists():
+                raise SystemExit(f"SUBJECTS: got {entry!r} of {subject!r}, expected a file or folder that exists")
+            for path in [top] if top.suffix == ".py" else sorted(top.rglob("*.py")):
+                for place, mutant in _mutants_of(subject, path):
+                    pool.setdefault((mutant.file, place), []).append(mutant)
+        pools[subject] = pool
+    chosen: list[Mutant] = []
+    for number in range(count):
+        pool = pools[subjects[number % len(subjects)]]
+        place = rng.choice(sorted(pool))
+        chosen.append(rng.choice(pool.pop(place)))
+    return chosen
+
+
+def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, float]:
+    """What becomes of a mutant: "found", "survived", or "does not apply"."""
+    from cosmic_ray.mutating import mutate_code
+    from cosmic_ray.plugins import get_operator
+
+    began = time.monotonic()
+    with TemporaryDirectory() as folder:
+        copy = Path(folder)
+        for name in ("femstruct", "acoustics", "scripts", "tests", "models", "meshes"):
+            shutil.copytree(TOP / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+        changed = copy / mutant.file
+        code = mutate_code(changed.read_text(encoding="utf-8"), get_operator(mutant.operator)(), mutant.occurrence)
+        if code is None:
+            return mutant, "does not apply", 0.0
+        changed.write_text(code, encoding="utf-8")
+        command = [sys.executable, "scripts/verify.py", "--until-fault", "--workers", "1"]
+        command += ["--seconds", str(options.seconds), "--seed", str(options.checks_seed), "-o", str(copy / "faults")]
+        try:
+            ended = subprocess.run(
+                command,
+                cwd=copy,
+                env={**os.environ, "PYTHONPATH": f"{copy}:{copy / 'scripts'}", "OMP_NUM_THREADS": "1"},
+                capture_output=True,
+                text=True,
+                timeout=options.seconds * 1.5 + 60,
+            )
+            word = "survived" if ended.returncode == 0 else "found"
+            lines = (ended.stdout + ended.stderr).strip().splitlines()
+        except subprocess.TimeoutExpired:
+            word, lines = "found", ["it never ended"]
+        options.output.mkdir(parents=True, exist_ok=True)
+        kept = options.output / f"{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
+        kept.write_text("\n".join([str(mutant), word, *lines[-40:]]) + "\n", encoding="utf-8")
+    return mutant, word, time.monotonic() - began
+
+
+def main() -> int:
+    """Draw mutants, run the machine on each, print what it found."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1, help="draws the mutants")
+    parser.add_argument(
+        "--checks-seed", type=int, default=1, help="draws the random models; the unchanged code must pass"
+    )
+    parser.add_argument("--seconds", type=float, default=150.0, help="of checks for one mutant")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--subjects", nargs="*", choices=sorted(SUBJECTS), default=sorted(SUBJECTS))
+    parser.add_argument("--list", action="store_true", help="print the mutants that are drawn, and run nothing")
+    parser.add_argument("-o", "--output", type=Path, default=Path("results/mutants"))
+    options = parser.parse_args()
+    try:
+        mutants = drawn(options.count, options.seed, options.subjects)
+    except ModuleNotFoundError as missing:
+        print(f"{missing.name} is not installed: pip install '.[mutants]'", file=sys.stderr)
+        return 2
+    print(f"{len(mutants)} mutants, seed {options.seed}", flush=True)
+    if options.list:
+        print("\n".join(map(str, mutants)))
+        return 0
+    counts: Counter[str] = Counter()
+    with ThreadPoolExecutor(options.workers) as pool:
+        for mutant, word, seconds in pool.map(lambda each: _met(each, options), mutants):
+            counts[word] += 1
+            print(f"{word:10} {seconds:5.0f} s  {mutant}", flush=True)
+    print(f"found {counts['found']} of {counts['found'] + counts['survived']} before any is read as equivalent")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
