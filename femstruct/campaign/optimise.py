@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,11 +15,11 @@ from scipy import optimize
 from femstruct.arrays import Floats
 from femstruct.campaign.designs import NEVER, Designs, Outcome, Spent
 from femstruct.campaign.references import references
-from femstruct.campaign.searching import HELD, designs_of, ends_of, table_of
+from femstruct.campaign.searching import HELD, designs_of, ends_of, seen_before, table_of
 from femstruct.campaign.tried import with_limits_of_study
 from femstruct.declared import Count, expect
 from femstruct.errors import InputError
-from femstruct.study.campaign.sought import Chosen, Found, Reference, Search
+from femstruct.study.campaign.sought import VALLEYS, Chosen, Found, Reference, Search
 from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed
 from femstruct.workflow.progress import Progress
@@ -36,7 +37,6 @@ FINE: Final = 1e-7  # of the goal: what still counts as better there
 REACHED: Final = 1e-3  # of a limit: so near to it, it is what holds a design
 SPREAD: Final = 0.02  # of the ranges: first steps of the last search
 STARTS: Final = 3  # of the search near the best, from designs of different valleys
-VALLEYS: Final = 0.15  # of the ranges, that these lie apart at least
 
 
 def optimise(
@@ -46,10 +46,12 @@ def optimise(
     cluster: str = "",
     progress: Progress = lambda line: None,
     command: str = "",
+    seen: Swept | None = None,
 ) -> Found:
     """The design with the least or largest goal that holds all limits, its own and those of the study.
 
-    folder, workers, cluster : as for `femstruct.sweep`; rows that are kept there are not run again.
+    folder, workers, cluster : as for `femstruct.sweep`; rows that are kept there are not run again. seen : a sweep over
+    the same paths, of which the search begins with the best designs, those that lie apart.
 
     Returns the best design, with those beside it. A design with a finding that forbids trust, or without one of its
     numbers, never wins. After Ctrl-C the best so far.
@@ -96,21 +98,24 @@ def optimise(
         raise InputError("optimise", got=f"{len(search.goals)} goals", expected=expected)
     search = with_limits_of_study(search)
     with designs_of(search, folder, workers, cluster, progress) as designs:
-        (spent, stopped), beside = _searched(search, designs), tuple[Reference, ...]()
+        case = search.case or (seen.baseline if seen is not None else "")
+        first = np.empty((0, len(search.designs))) if seen is None else seen_before(search, seen, case)
+        (spent, stopped), beside = _searched(search, designs, first), tuple[Reference, ...]()
         if not stopped:
             try:
                 beside = references(search, designs)
             except KeyboardInterrupt:
                 stopped = True
         table = table_of(search, designs, command)
-    return replace(_found(search, designs, (spent, stopped), table), references=beside)
+    return replace(_found(search, designs, (spent, stopped), table), references=beside, begun=len(first))
 
 
-def _searched(search: Search, designs: Designs) -> tuple[bool, bool]:
-    """Try designs until the runs are spent or nothing gets better; which of them, and whether Ctrl-C ended it."""
+def _searched(search: Search, designs: Designs, first: Floats | None = None) -> tuple[bool, bool]:
+    """Try designs, the `first` [n, d] among them, until the runs are spent or nothing gets better; which of them, and
+    whether Ctrl-C ended it."""
     spent = False
     try:
-        for stage in (_everywhere, _nearby):
+        for stage in (partial(_everywhere, first=first), _nearby):
             try:
                 stage(search, designs)
             except Spent:
@@ -125,13 +130,15 @@ def _searched(search: Search, designs: Designs) -> tuple[bool, bool]:
     return spent, False
 
 
-def _everywhere(search: Search, designs: Designs) -> None:
-    """Differential evolution in all of the ranges."""
+def _everywhere(search: Search, designs: Designs, first: Floats | None = None) -> None:
+    """Differential evolution in all of the ranges; the `first` designs stand in place of as many that are drawn."""
     from scipy.stats import qmc
 
     d, most = len(search.designs), search.runs // search.samples
     crowd = min(max(int(EVERYWHERE * most) // GENERATIONS, 4 * d, CROWD[0]), CROWD[1], designs.left)
     start = qmc.LatinHypercube(d, rng=np.random.default_rng(search.seed)).random(crowd)
+    if first is not None:
+        start[: len(first)] = first
     scipy_optimize.differential_evolution(
         lambda x: np.array([one.small for one in designs(np.atleast_2d(x.T))]),
         [(0.0, 1.0)] * d,

@@ -21,9 +21,9 @@ from femstruct.campaign.tried import refuse_values, with_limits_of_study, with_p
 from femstruct.errors import InputError
 from femstruct.language import read_study
 from femstruct.study.campaign.front import End
-from femstruct.study.campaign.sought import Search
+from femstruct.study.campaign.sought import VALLEYS, Search
 from femstruct.study.campaign.swept import Swept
-from femstruct.study.campaign.varied import Listed
+from femstruct.study.campaign.varied import Listed, Scattered
 from femstruct.study.study import Plan
 from femstruct.workflow.progress import Progress, counted
 from femstruct.workflow.run.provenance import version_of
@@ -32,6 +32,7 @@ from femstruct.workflow.stages.fingerprint import fingerprint
 ROWS: Final = "optimise.rows"  # where rows are kept as they come
 HELD: Final = 1e-9  # share by which a limit may be exceeded: rounding
 AT_END: Final = 0.002  # of a range: so near to its end, a design lies at it
+SEEN: Final = 3  # designs of a sweep that a search begins with
 
 
 @contextmanager
@@ -77,6 +78,47 @@ def ends_of(search: Search, point: Floats) -> tuple[End, ...]:
         "" if isinstance(one, Listed) else "lower" if u < AT_END else "upper" if u > 1.0 - AT_END else ""
         for one, u in zip(search.designs, np.asarray(point), strict=True)
     )
+
+
+def seen_before(search: Search, rows: Swept, case: str) -> Floats:
+    """The best designs of a sweep that lie apart, as points of the unit cube [n, d]: those that hold all limits first.
+
+    rows : of a sweep over all paths that may be chosen, and of a case; none of one over fewer, or without a number.
+    """
+    names = [search.goal, *(name for name in search.limits if name not in rows.paths)]
+    columns = [rows.paths.index(one.path) if one.path in rows.paths else -1 for one in search.designs]
+    if case not in rows.cases or not set(names) <= set(rows.names) or min(columns) < 0:
+        return np.empty((0, len(columns)))
+    points = np.array([_unit_of(one, rows, j) for one, j in zip(search.designs, columns, strict=True)]).T
+    known = np.isfinite(points).all(axis=1) & rows.trusted(case) & np.isfinite(rows.of(search.goal, case))
+    beyond = np.zeros(len(points))
+    for name, limit in search.limits.items():
+        own = rows.values[:, rows.paths.index(name)] if name in rows.paths else rows.of(name, case)
+        over = np.where(np.isfinite(own), (own - limit) / (abs(limit) or 1.0), np.inf)
+        beyond += np.where(over > HELD, over, 0.0)
+    small = search.goals[0].sign * rows.of(search.goal, case)
+    found: list[Floats] = []
+    for k in sorted(np.flatnonzero(known & np.isfinite(beyond)), key=lambda k: (beyond[k], small[k])):
+        if len(found) < SEEN and all(np.linalg.norm(points[k] - one) > VALLEYS for one in found):
+            found.append(points[k])
+    return np.array(found).reshape(-1, len(columns))
+
+
+def _unit_of(one: Listed | Scattered, rows: Swept, j: int) -> Floats:
+    """Where the values of a path of a sweep lie in the range, or the list, of what may be chosen [n]; nan outside."""
+    values = rows.values[:, j]
+    if isinstance(one, Listed):
+        count = len(one.texts)
+        texts = {text: (k + 0.5) / count for k, text in enumerate(one.texts)}
+        numbers = {value: (k + 0.5) / count for k, value in enumerate(one.numbers)}
+        told = zip(rows.texts, values.tolist(), strict=True)
+        return np.array([texts.get(own[j], numbers.get(value, np.nan)) for own, value in told])
+    if one.law == "log-uniform":
+        values = np.log(np.where(values > 0.0, values, np.nan) / one.first) / np.log(one.second / one.first)
+    else:
+        values = (values - one.first) / (one.second - one.first)
+    inside = (values > -AT_END) & (values < 1.0 + AT_END)
+    return np.where(inside, np.clip(values, 0.0, 1.0), np.nan)
 
 
 def set_aside(search: Search, folder: Path) -> Path | None:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -23,7 +23,13 @@ from femstruct.commands.shared import (
     command,
 )
 from femstruct.commands.study_answers import print_json, progress
+from femstruct.errors import FemstructError
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
+
+if TYPE_CHECKING:  # slow to import
+    from femstruct.study.campaign.front import Front
+    from femstruct.study.campaign.sought import Found
+    from femstruct.study.campaign.swept import Swept
 
 
 @command
@@ -151,8 +157,11 @@ def optimise(
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
         moved = set_aside(search, folder)
-        answer = pareto_front if search.also else optimised
-        found = answer(search, folder, workers or None, cluster, tell, as_typed())
+        if search.also:
+            found: Found | Front = pareto_front(search, folder, workers or None, cluster, tell, as_typed())
+        else:
+            seen = _sweep_beside(folder, _folder(study, "sweep"))
+            found = optimised(search, folder, workers or None, cluster, tell, as_typed(), seen)
         written = write_optimum(found, folder, tell, pictures=not no_pictures)
     if as_json:
         print_json(front_table(found) if isinstance(found, Front) else optimum_table(found))
@@ -175,6 +184,19 @@ def _tell_files(what: str, moved: Path | None, written: Iterable[Path]) -> None:
     if moved is not None:
         print(f"An earlier, different {what} is kept: its files are now {moved.with_suffix('.*')}")
     print(f"Written: {', '.join(map(str, written))}")
+
+
+def _sweep_beside(*folders: Path) -> Swept | None:
+    """The first sweep in some folders; one that cannot be read is named and left."""
+    from femstruct.files.results_file.swept_file import SWEEP, read_swept
+
+    for folder in folders:
+        if (folder / SWEEP).exists():
+            try:
+                return read_swept(folder)
+            except FemstructError as error:
+                print(f"The search begins without the designs of a sweep. {error}", file=sys.stderr)
+    return None
 
 
 @contextmanager

@@ -13,13 +13,14 @@ from femstruct.campaign.journal import Row, opened
 from femstruct.campaign.kept_rows import write_optimum
 from femstruct.campaign.numbers import Number
 from femstruct.campaign.optimise import _searched, optimise
-from femstruct.campaign.searching import set_aside
+from femstruct.campaign.searching import seen_before, set_aside
 from femstruct.campaign.tasks import Task, rows_of
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.tables.optimum_tables import optimum_table, run_command
 from femstruct.language import read_study
 from femstruct.language.searches import read_search
 from femstruct.study.campaign.sought import Search
+from femstruct.study.campaign.swept import Swept
 from femstruct.study.campaign.varied import Listed, Scattered
 from femstruct.view.campaigns.optimum_table import optimum_pieces
 from femstruct.workflow.run.run import run_study
@@ -56,7 +57,9 @@ def study(tmp_path: Path) -> Path:
 
 
 @contextmanager
-def searched(search: Search, row: Callable[[dict[str, str]], Row]) -> Iterator[Designs]:
+def searched(
+    search: Search, row: Callable[[dict[str, str]], Row], first: np.ndarray | None = None
+) -> Iterator[Designs]:
     """An optimisation of formulas in place of a study: what comes of the texts of a design."""
 
     def run(tasks: Sequence[Task], done: Callable[[list[Row]], None], tick: object = None) -> None:
@@ -66,7 +69,7 @@ def searched(search: Search, row: Callable[[dict[str, str]], Row]) -> Iterator[D
 
     with opened(Path(":memory:"), "formula") as journal:
         designs = Designs(search, "a", journal, run, lambda done: None)
-        assert not _searched(search, designs)[1]
+        assert not _searched(search, designs, first)[1]
         yield designs
 
 
@@ -142,6 +145,86 @@ def test_of_several_valleys_the_deepest_is_found() -> None:
 
     with searched(Search("", "f", (X, Y), runs=300), row) as found:
         assert found.outcomes[found.best].goal == pytest.approx(-1.0, abs=1e-6)  # f is flat there: radius 1e-4 squared
+
+
+NARROW = (
+    (-1.5, 1.5, 1.0, 2000.0),
+    (1.0, -1.0, 0.9, 1.0),
+)  # places, depths and rates of two valleys: the deeper is narrow
+
+
+def valleys(texts: dict[str, str]) -> Row:
+    x, y = number(texts, "x"), number(texts, "y")
+    return numbers(f=-max(d * np.exp(-k * ((x - a) ** 2 + (y - b) ** 2)) for a, b, d, k in NARROW))
+
+
+def swept(**more: object) -> Swept:
+    """Five rows of a sweep: in both valleys, beside the first, one beyond a limit, one out of range."""
+    x = np.array([-1.49, -1.48, 1.1, 0.0, 3.0])
+    y = np.array([1.49, 1.49, -1.0, 0.0, 0.0])
+    f = [
+        number_of.value
+        for a, b in zip(x, y, strict=True)
+        for number_of in [valleys({"x": f"{a} m", "y": f"{b} m"}).numbers["f"]]
+    ]
+    told: dict[str, object] = {
+        "title": "t",
+        "paths": ("y", "x"),
+        "units": ("m", "m"),
+        "texts": tuple((f"{b} m", f"{a} m") for a, b in zip(x, y, strict=True)),
+        "values": np.column_stack([y, x]),
+        "method": "grid",
+        "cases": ("a",),
+        "baseline": "a",
+        "names": ("f", "r"),
+        "number_units": ("m", "m"),
+        "main": ("f",),
+        "numbers": np.array([[[v, r] for v, r in zip(f, (1.0, 1.0, 1.0, 9.0, 1.0), strict=True)]]),
+        "done": np.ones(5, dtype=bool),
+        "severe": (((),) * 5,),
+        "findings": (((),) * 5,),
+        "trouble": ("",) * 5,
+    }
+    return Swept(**(told | more))  # type: ignore[arg-type]
+
+
+def test_a_search_begins_with_the_best_designs_of_a_sweep() -> None:
+    """A valley of 1 % of the ranges, which no crowd meets, but a sweep has a row in it."""
+    search = Search("", "f", (X, Y), limits={"r": 2.0}, runs=200)
+    first = seen_before(search, swept(), "a")
+    right = [[0.775, 0.25], [0.1275, 0.8725], [0.5, 0.5]]  # (v + 2) / 4; no other near the best; beyond the limit last
+    np.testing.assert_allclose(first, right, rtol=1e-12)  # rounding
+    search = replace(search, limits={})
+    with searched(search, valleys) as found:
+        assert found.outcomes[found.best].goal > -0.95
+    with searched(search, valleys, first) as found:
+        assert found.outcomes[found.best].goal < -0.98  # the other valley has -0.9
+
+
+def test_rows_of_a_sweep_over_something_else_are_left() -> None:
+    z = Scattered("z", "uniform", 0.0, 1.0, "m")
+    assert len(seen_before(Search("", "f", (X, z)), swept(), "a")) == 0
+    assert len(seen_before(Search("", "g", (X, Y)), swept(), "a")) == 0
+    assert len(seen_before(Search("", "f", (X, Y)), swept(), "b")) == 0
+    listed = Listed("y", ("0 m", "149 cm"), (0.0, 1.49)), Scattered("x", "log-uniform", 0.1, 10.0, "m")
+    points = seen_before(Search("", "f", listed), swept(), "a")
+    np.testing.assert_allclose(points, [[0.25, np.log(30.0) / np.log(100.0)]], rtol=1e-12)  # rounding; x < 0 has no log
+
+
+def test_nearly_as_good_names_each_valley(study: Path) -> None:
+    """The speed of a mass by a ball of 1 or 2 kg: 2 m / (m + M) v, as good with 5 and 2.5 m/s as with less of both."""
+    ranges = ["bodies.ball.mass=0.1 kg:2 kg"]
+    search = read_search(study, "maximise m.z velocity", ranges, runs=20)
+    best = optimise(search, workers=1)
+    s = np.zeros(best.designs, dtype=bool)
+    s[[0, 1]] = True
+    values = best.rows.values.copy()
+    values[:, 0] = np.linspace(0.4, 1.6, len(values))
+    values[:2, 0] = 0.2, 1.9
+    two = replace(best, rows=replace(best.rows, values=values), held=s, goals=np.full(best.designs, best.goal))
+    assert "0.2 kg, 1.9 kg" in " ".join(
+        str(one) for piece in optimum_pieces(two) for one in getattr(piece, "rows", [piece])
+    )
 
 
 def test_what_is_not_to_be_trusted_never_wins() -> None:

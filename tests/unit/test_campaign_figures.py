@@ -148,3 +148,22 @@ def test_a_number_that_no_sample_has_is_not_the_same_in_all() -> None:
     assert f"Not known in any of the samples: hall rating, hall rating before rounding ({why})" in told
     assert "Not known in any of the samples: hall.mic L_AFmax" in told
     assert "The same in all samples: total mass" in told
+
+
+def test_a_limit_stands_in_the_legend() -> None:
+    """In a map with its value, beside its line; in curves and points also where only a lower axis has one."""
+    whole = rows()
+    values = np.array([(a, b) for a in (0.1, 0.4, 0.7, 1.0) for b in (0.14, 0.18, 0.22, 0.26)])
+    grid = replace(whole, values=values, paths=("a", "b"), units=("s", "m"), method="grid",
+                   texts=tuple((f"{a}", f"{b} m") for a, b in values), severe=(((),) * N,),
+                   limits={LEVELS[0]: 75.0}, numbers=np.nan_to_num(whole.numbers, nan=70.0))  # fmt: skip
+
+    def legends(one: Swept) -> list[str]:
+        drawn = [axes.get_legend() for axes in swept_figure(one, LEVELS[:2]).axes]
+        return [text.get_text() for legend in drawn if legend is not None for text in legend.get_texts()]
+
+    assert legends(grid) == ["limit 75 dB"]
+    assert legends(replace(grid, limits={LEVELS[0]: 95.0})) == []  # no line: all hold it
+    drawn = replace(grid, method="latin hypercube")
+    assert [legends(replace(drawn, limits={name: 75.0})) for name in LEVELS[:2]] == [["limit"], ["limit"]]
+    assert legends(replace(drawn, limits={})) == []

@@ -48,6 +48,7 @@ def optimum_table(found: Found) -> Table:
         "designs": found.designs,
         "left_out": found.left_out,
         "nearly_as_good": int(found.nearly.sum()),
+        "begun_with_designs_of_a_sweep": found.begun,
         "flat": found.flat,
         "still_improving": found.still_improving,
         "interrupted": found.interrupted,

@@ -19,6 +19,7 @@ SAME: Final = 1e-9  # of a goal: differences below are rounding
 LATE: Final = 0.8  # of the designs
 WORTH: Final = 0.01  # of what half of the designs are worse than the best by
 NEARLY: Final = 0.1  # of what the best design gains, that others may miss of it
+VALLEYS: Final = 0.15  # of the ranges, that designs of different valleys lie apart at least
 SMALL: Final = 0.01  # of the goal, instead, where it gains nothing or there is nothing beside it
 NOT_AT_REST: Final = 1.0  # share by which a limit of the time to rest is exceeded where the window ends before it
 MOST_GOALS: Final = 3  # of four and more NSGA-II finds nearly all designs to be on the front
@@ -174,6 +175,7 @@ class Found:
     made; else nothing got better any more. interrupted : whether it was stopped before its end. rows : of all designs,
     in their order.
     references : what the best design is held against: its case as written, and the baseline; none where it was stopped.
+    begun : how many of the first designs are those of a sweep.
     """
 
     search: Search
@@ -194,6 +196,7 @@ class Found:
     interrupted: bool
     rows: Swept
     references: tuple[Reference, ...] = ()
+    begun: int = 0
 
     @property
     def goal_name(self) -> str:

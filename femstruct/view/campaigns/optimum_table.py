@@ -10,9 +10,9 @@ import numpy as np
 
 from femstruct.errors import some_of
 from femstruct.files.tables.optimum_tables import run_command
-from femstruct.study.campaign.sought import NEARLY, SAME, SMALL, Chosen, Found, Reference
+from femstruct.study.campaign.sought import NEARLY, SAME, SMALL, VALLEYS, Chosen, Found, Reference
 from femstruct.study.campaign.swept import UNROUNDED
-from femstruct.study.campaign.varied import Listed
+from femstruct.study.campaign.varied import Listed, Scattered
 from femstruct.view.campaigns.first_lines import (
     INTERRUPTED,
     no_design,
@@ -44,6 +44,8 @@ def optimum_pieces(found: Found) -> Iterator[Piece]:
     tried = f"{found.designs} designs, {found.runs} runs"
     tried += f"; the last improvement at design {found.history[-1][0]}" if found.history else ""
     tried += "" if found.interrupted else f"; {ended}"
+    if found.begun:
+        yield f"The search began with the {found.begun} best designs of a sweep that lie apart, and with others"
     yield f"{tried}. A global optimum is not proven: another 'seed' gives another search"
     yield from left_out_pieces(found.rows, one="run" if search.over else "design")
     if np.isfinite(found.goal):
@@ -98,14 +100,20 @@ def _best(found: Found) -> Iterator[Piece]:
 
 
 def _nearly(found: Found, j: int) -> str:
-    """The values of a path among the designs that are nearly as good."""
+    """The values of a path among the designs that are nearly as good: a range for each valley that they lie in."""
     s, rows = found.search.samples, found.rows
     near = np.flatnonzero(found.nearly) * s
     values = rows.values[near, j]
     if not len(near) or not np.isfinite(values).all():
         return some_of(list(dict.fromkeys(rows.texts[i][j] for i in near)), MOST)
-    ends = [written(value, rows.units[j], "") for value in (float(values.min()), float(values.max()))]
-    return ends[0] if ends[0] == ends[1] else " .. ".join(ends)
+    values, one = np.sort(values), found.search.designs[j]
+    scale = np.log(values) if isinstance(one, Scattered) and one.law == "log-uniform" else values
+    every = rows.values[:, j]
+    whole = np.ptp(np.log(every)) if scale is not values else np.ptp(every)
+    parts = np.split(values, np.flatnonzero(np.diff(scale) > VALLEYS * whole) + 1)
+    told = [[written(float(end), rows.units[j], "") for end in (part[0], part[-1])] for part in parts[:MOST]]
+    more = f" and {len(parts) - MOST} more" if len(parts) > MOST else ""
+    return ", ".join(low if low == high else f"{low} .. {high}" for low, high in told) + more
 
 
 def _how_near(found: Found) -> str:
@@ -116,7 +124,7 @@ def _how_near(found: Found) -> str:
     else:
         name = f"'{over.name}'" + (" as written" if over.chosen else "")
         what = f"those that keep {100.0 * (1.0 - NEARLY):g} % of what the best gains over {name}"
-    return f"Nearly as good: {count} of {found.designs} designs, {what}"
+    return f"Nearly as good: {count} of {found.designs} designs, {what}; there may be others where none was tried"
 
 
 def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:

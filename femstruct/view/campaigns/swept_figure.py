@@ -25,6 +25,7 @@ MOST_TICKS: Final = 8  # along one axis of a map
 WIDE: Final = 30.0  # largest over smallest value of a path, from which on its axis is logarithmic
 LEAST_DB: Final = 0.1  # of a picture's height
 FEW_DECADES: Final = 2e3  # the same, from which on ticks are at powers of ten alone
+LIMIT: Final[dict[str, Any]] = {"color": "#d55e00", "linewidth": 0.9, "linestyle": "--", "label": "limit"}
 UNTRUSTED: Final[dict[str, Any]] = {"marker": "x", "linestyle": "none", "markersize": 5}
 
 
@@ -71,7 +72,8 @@ def _curves(rows: Swept, names: Sequence[str], k: int) -> Figure:
         _level(own, told)
         number_axis(own, x)
         finish(own, named(rows.paths[k], unit) if number == len(names) - 1 else "", named(name, told))
-    if len(rows.cases) > 1 or rows.limits:
+    _limit_named(axes[0], rows, names)
+    if len(rows.cases) > 1 or set(names) & set(rows.limits):
         legend_above(axes[0])
     return figure
 
@@ -95,8 +97,11 @@ def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) 
         blank = "" if np.isfinite(table).all() else " (white: no number)"
         own.set_title(named(name, told) + blank, fontsize=10, loc="left")
         limit = rows.limits.get(name)
-        if limit is not None and np.isfinite(table).sum() == table.size and min(table.shape) > 1:
+        whole = np.isfinite(table).all() and min(table.shape) > 1
+        if limit is not None and whole and table.min() < scale * limit < table.max():
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
+            own.plot([], [], color="white", linewidth=1.2, label=f"limit {scale * limit:.4g} {told}".rstrip())
+            own.legend(fontsize=8, loc="upper right", facecolor="0.35", labelcolor="white", framealpha=0.8)
         number_axis(own, x)
         number_axis(own, y, vertical=True)
         _ticks_at(own.xaxis, x)
@@ -124,6 +129,9 @@ def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str
             number_axis(own, x)
             last = row == len(names) - 1
             finish(own, named(rows.paths[k], unit) if last else "", named(name, told) if column == 0 else "")
+    _limit_named(grid[0, 0], rows, names)
+    if set(names) & set(rows.limits):
+        legend_above(grid[0, 0])
     return figure
 
 
@@ -162,7 +170,13 @@ def _cross(axes: Axes, x: Floats, y: Floats, sound: Flags, colour: str) -> None:
 
 def _limit(axes: Axes, rows: Swept, name: str, scale: float) -> None:
     if name in rows.limits:
-        axes.axhline(scale * rows.limits[name], color="#d55e00", linewidth=0.9, linestyle="--", label="limit")
+        axes.axhline(scale * rows.limits[name], **LIMIT)
+
+
+def _limit_named(axes: Axes, rows: Swept, names: Sequence[str]) -> None:
+    """The limits of other axes in the legend of these."""
+    if names[0] not in rows.limits and set(names) & set(rows.limits):
+        axes.plot([], [], **LIMIT)
 
 
 def _level(axes: Axes, unit: str) -> None:
