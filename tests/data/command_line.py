@@ -11,8 +11,10 @@ import io
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from typer.main import get_command
 
+import femstruct as package
 from femstruct.cli import app
 from femstruct.exits import leave_with
 
@@ -35,3 +37,18 @@ def femstruct(*words: str | Path, cwd: Path | None = None) -> Ended:
     with there, contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = leave_with(lambda: PROGRAM([str(word) for word in words], prog_name="femstruct"))
     return Ended(code, out.getvalue(), err.getvalue())
+
+
+def histories(study: Path) -> dict[str, np.ndarray] | str:
+    """Histories of a study's first case by channel, "t", and shock spectra as "NAME positive"; or why it is refused.
+
+    By the exported names of the package: the command line writes histories to a file alone.
+    """
+    try:
+        case = next(iter(package.run_study(package.read_study(study)).cases.values()))
+    except package.FemstructError as told:
+        return str(told)
+    found = {name: np.array(one.values) for name, one in case.channels.items()}
+    for name, one in case.evaluations.get("shock_spectra", {}).items():
+        found |= {f"{name} {way}": np.array(getattr(one, way)) for way in ("frequency_hz", "positive", "negative")}
+    return found | ({"t": np.array(case.response.t)} if case.response else {})

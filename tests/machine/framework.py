@@ -19,7 +19,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from ruamel.yaml import YAML
 
-from tests.data.command_line import femstruct
+from tests.data.command_line import femstruct, histories
 
 Model = Mapping[str, Any]
 Floats = np.ndarray
@@ -58,6 +58,16 @@ class Door:
         if ended.returncode == 3 and not severe:
             self.told.append(f"exit 3: {ended.stderr.strip()[-500:]}")
         return answer
+
+    def histories(self, model: Model, **beside: Model) -> dict[str, Floats]:
+        """Histories of a study by channel, their times "t", its shock spectra as "NAME positive"."""
+        with tempfile.TemporaryDirectory() as place:
+            for name, content in {"model": model, **beside}.items():
+                (Path(place) / f"{name}.yaml").write_text(as_yaml(content), encoding="utf-8")
+            found = histories(Path(place) / "model.yaml")
+        if isinstance(found, str):
+            raise Refused(found)
+        return found
 
     def modes(self, model: Model, count: int) -> Floats:
         """Natural frequencies [Hz]."""

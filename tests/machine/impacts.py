@@ -1,0 +1,544 @@
+"""Bodies that strike, lie, hang and are joined, on the ground, oscillators and given modes, against events in scipy.
+
+A case's model has a "study" and its "structure"; `chain_of` reads both again, by itself.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Mapping
+from math import acos, acosh, log, pi, sqrt
+from typing import Any, Final
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
+
+from tests.independent import contact_events as ev
+from tests.machine.framework import Case, Door, Floats, Model, capability
+
+G: Final = 9.80665
+LAWS: Final = ("linear", "hertz", "hunt-crossley", "cubic", "flores", "lankarani-nikravesh", "table", "smooth table")
+_KNOBS = ("study.bodies", "study.contacts", "study.links", "study.loads", "structure")
+_WHY = "both integrate to 1e-9 and better; draws whose answer hangs on rounding are drawn again"
+
+
+def between(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number of six digits, evenly along its logarithm."""
+    return rounded(float(np.exp(rng.uniform(log(low), log(high)))))
+
+
+def rounded(x: float) -> float:
+    """Six digits."""
+    return float(f"{x:.6g}")
+
+
+# ---- laws
+
+
+def swing(z: float) -> float:
+    """omega t / 2 of a linear contact with a damping ratio z, until it no longer pushes."""
+    if z == 1.0:
+        return 1.0
+    return acos(z) / sqrt(1 - z * z) if z < 1.0 else acosh(z) / sqrt(z * z - 1)
+
+
+def ratio_of(e: float, tensile: bool) -> float:
+    """Damping ratio with which a linear contact gives a restitution: until its length is back, or while it pushes."""
+    loss = -log(e)
+    if tensile:
+        return loss / sqrt(pi**2 + loss**2)
+    return float(brentq(lambda z: 2 * z * swing(z) - loss, 0, 1 / e + 1, xtol=1e-15))
+
+
+def law_of(spec: Mapping[str, Any], mass: float, speed: float) -> ev.Law:
+    """A law as its YAML states it. mass : what a restitution and a duration count; speed : of the first meeting."""
+    kind, tensile, e = spec["type"], bool(spec.get("tensile")), spec.get("restitution")
+    k, n = spec.get("stiffness", 0.0), spec.get("exponent", 1.5)
+    speed = spec.get("at_speed", speed)
+    if kind == "linear":
+        if e is None:
+            return ev.linear(k, spec.get("damping", 0.0), tensile)
+        z = ratio_of(e, tensile)
+        if "duration" in spec:
+            angle = sqrt(pi**2 + log(e) ** 2) if tensile else 2 * swing(z)
+            k = mass * (angle / spec["duration"]) ** 2
+        return ev.linear(k, 2 * z * sqrt(k * mass), tensile)
+    if kind == "hertz":
+        if "radius" in spec:
+            soft = sum((1 - nu**2) / E for E, nu in zip(spec["E"], spec["nu"], strict=True))
+            k = 4 / 3 / soft * sqrt(spec["radius"])
+        return ev.hertz(k, spec.get("damping", 0.0), tensile)
+    if kind == "flores":
+        return ev.power(k, n, 1.6 * (1 - e) / (e * speed), tensile)  # Machado et al. 2012, eq. 8/5 (1 - e) / e
+    if kind == "lankarani-nikravesh":
+        return ev.power(k, n, 0.75 * (1 - e * e) / speed, tensile)
+    chi = spec.get("dissipation", 0.0) if e is None else ev.chi_of_restitution(e, speed)
+    if kind == "hunt-crossley":
+        return ev.power(k, n, chi, tensile)
+    if kind == "cubic":
+        return ev.cubic(k, spec["cubic"], chi, tensile)
+    depths, forces = np.array(spec["curve"], dtype=float).T
+    if not spec.get("smooth"):
+        return ev.table(depths, forces, chi, tensile)
+    spring = PchipInterpolator(depths, forces)
+    end, slope = float(depths[-1]), float(spring.derivative()(depths[-1]))
+
+    def force(d: float, piece: int) -> float:
+        return float(forces[-1]) + slope * (d - end) if piece == len(depths) - 1 else float(spring(d))
+
+    return ev.factored(force, chi, tensile, depths[1:].tolist())
+
+
+def draw_law(rng: np.random.Generator, mass: float, speed: float, time: float, kind: str, e: bool = True) -> Any:
+    """YAML of a law whose contact lasts about so long. e : it may state a restitution."""
+    k = rounded(mass * (pi / time) ** 2)
+    depth = speed * time / pi
+    t = {"tensile": True} if rng.random() < 0.2 else {}
+    way, back = int(rng.integers(3 if e else 2)), rounded(float(rng.uniform(0.15, 0.95)))
+    if kind == "linear":
+        damping = rounded(float(rng.uniform(0.05, 1.2)) * 2 * sqrt(k * mass))
+        ways = [{"stiffness": k}, {"stiffness": k, "damping": damping}, {"stiffness": k, "restitution": back}]
+        if way == 2 and rng.random() < 0.5:
+            return {"type": kind, "duration": rounded(time), "restitution": back, **t}
+        return {"type": kind, **ways[way], **t}
+    if kind == "hertz":
+        if way == 0 and rng.random() < 0.4:
+            moduli = [between(rng, 1e9, 2e11), between(rng, 1e9, 2e11)]
+            nu = [rounded(float(rng.uniform(0, 0.45))) for _ in moduli]
+            return {"type": kind, "radius": between(rng, 0.005, 0.5), "E": moduli, "nu": nu}
+        damping = {"damping": rounded(float(rng.uniform(0.05, 0.8)) * sqrt(k * mass / depth))} if way else {}
+        return {"type": kind, "stiffness": rounded(k / sqrt(depth)), **damping, **t}
+    n = rounded(float(rng.uniform(1.0, 3.0))) if rng.random() < 0.5 else 1.5
+    meets = {"at_speed": rounded(speed * float(rng.uniform(0.5, 2)))} if not e or rng.random() < 0.5 else {}
+    lost: dict[str, Any] = [{}, {"dissipation": rounded(float(rng.uniform(0.05, 2.0)) / speed)}, {}][way]
+    if way == 2:
+        lost = {"restitution": back, **meets}
+    if kind in ("hunt-crossley", "flores", "lankarani-nikravesh"):
+        own = lost if kind == "hunt-crossley" else {"restitution": back, **meets}
+        return {"type": kind, "stiffness": rounded(k / depth ** (n - 1)), "exponent": n, **own, **t}
+    if kind == "cubic":
+        part = rounded(k * float(rng.uniform(0, 1)))
+        return {"type": kind, "stiffness": part, "cubic": rounded((k - part / 2) / depth**2), **lost, **t}
+    depths = np.concatenate([[0.0], np.cumsum(rng.uniform(0.2, 1.0, 4))]) * depth
+    forces = np.concatenate([[0.0], np.cumsum(k * rng.uniform(0.3, 2.0, 4) * np.diff(depths))])
+    curve = [[rounded(d), rounded(f)] for d, f in zip(depths, forces, strict=True)]
+    return {"type": "table", "curve": curve, **({"smooth": True} if kind == "smooth table" else {}), **lost, **t}
+
+
+# ---- a study read again
+
+
+def modes_of(structure: Mapping[str, Any]) -> tuple[list[float], list[float], dict[str, list[float]]]:
+    """Angular frequencies, damping ratios and shapes of unit modal mass."""
+    what = structure["structure"]
+    if what == "none":
+        return [], [], {}
+    if what["type"] == "oscillator":
+        omega = 2 * pi * what["frequency"] if "frequency" in what else sqrt(what["stiffness"] / what["mass"])
+        return [omega], [structure["damping"]["ratio"]], {"m": [1 / sqrt(what["mass"])]}
+    shapes = {name: list(one["shape"]) for name, one in what["points"].items()}
+    return [2 * pi * f for f in what["frequency"]], list(what["ratio"]), shapes
+
+
+def chain_of(model: Model) -> ev.Chain:
+    """The mechanics of a case's study on its structure."""
+    study = model["study"]
+    omega, ratio, shapes = modes_of(model["structure"])
+    bodies = study.get("bodies", {})
+    masses = {name: one["mass"] for name, one in bodies.items()}
+    heavy = bool(study["time"].get("gravity"))
+    height: dict[str, float] = {"ground": -10.0, **dict.fromkeys(shapes, 0.0)}
+    for name, one in bodies.items():
+        height[name] = height[one["above"]] + 1.0 if "above" in one else height[one["below"]] - 1.0
+    speeds = {n: one.get("speed", sqrt(2 * G * one.get("drop_height", 0.0))) for n, one in bodies.items()}
+    flying = [name for name, speed in speeds.items() if speed]
+    hung = {end for link in study.get("links", {}).values() for end in link["between"] if end in bodies}
+
+    def ends(pair: list[str]) -> tuple[str | None, str | None]:
+        upper, lower = sorted(pair, key=lambda end: -height[end])
+        return (None if upper == "ground" else upper), (None if lower == "ground" else lower)
+
+    def borne(name: str | None) -> float:  # mass of what lies on a body, and its own
+        if name is None or name in flying or name not in bodies:
+            return 0.0
+        return masses[name] + sum(borne(one) for one in bodies if bodies[one].get("above") == name)
+
+    def touch(name: str, spec: Mapping[str, Any]) -> ev.Touch:
+        upper, lower = ends(spec["between"])
+        shares = [1 / masses[end] for end in (upper, lower) if end in masses]
+        law = law_of(spec["law"], 1 / sum(shares), max(speeds.get(end or "", 0.0) for end in (upper, lower)))
+        weight = borne(upper) * G if heavy and upper not in hung and lower not in hung else 0.0
+        return ev.Touch(name, upper, lower, law, spec.get("gap", 0.0), spec.get("preload", 0.0) + weight)
+
+    contacts = dict(study.get("contacts", {}))
+    for name, one in bodies.items():
+        if "contact" in one:
+            contacts[f"{name} on {one['above']}"] = {"between": [name, one["above"]], "law": one["contact"]}
+    springs = []
+    for link in study.get("links", {}).values():
+        if "frequency" in link:
+            mass = next(masses[end] for end in link["between"] if end in masses)
+            k = mass * (2 * pi * link["frequency"]) ** 2
+            c: Any = 2 * link["ratio"] * sqrt(k * mass)
+        else:
+            k, c = link["stiffness"], link.get("damping", 0.0)
+        closing, opening = (c["closing"], c["opening"]) if isinstance(c, Mapping) else (c, c)
+        springs.append(ev.Spring(*ends(link["between"]), k, closing, opening))
+    pulses = []
+    for load in study.get("loads", {}).values():
+        on = load["body"] if "body" in load else load["at"].removesuffix(".z")
+        pulses.append(
+            ev.Pulse(on, load["half_sine"]["amplitude"], load["half_sine"]["frequency"], load.get("first", 0))
+        )
+    again = []
+    for name, one in bodies.items():
+        if "blows" in one:
+            count, every = one["blows"]["count"], one["blows"]["every"]
+            over = None if one["above"] == "ground" else one["above"]
+            again.append(ev.Again(name, over, tuple(every * turn for turn in range(1, count))))
+    modal = np.zeros(len(omega))
+    for point, speed in study.get("initial", {}).get("velocity", {}).items():
+        shape = np.array(shapes[point.removesuffix(".z")])
+        modal = modal + shape * speed / (shape @ shape)  # an impulse there
+    return ev.Chain(
+        omega, ratio, shapes, masses, [touch(*one) for one in contacts.items()], springs, pulses,
+        {name: -masses[name] * G for name in flying} if heavy else {}, {name: -speeds[name] for name in flying},
+        modal.tolist() if modal.any() else (), again=again,
+    )  # fmt: skip
+
+
+def path_of(model: Model, rtol: float = 1e-11) -> ev.Path:
+    """The motion of a case, kept for what asks again."""
+    return _path(json.dumps(model), rtol)
+
+
+@functools.lru_cache(maxsize=8)
+def _path(text: str, rtol: float) -> ev.Path:
+    model = json.loads(text)
+    duration = model["study"]["time"]["duration"]
+    steps = 300 if rtol < 1e-10 else 150  # a contact that opens and closes within one would be missed
+    return ev.run(chain_of(model), duration, rtol, duration / steps)
+
+
+# ---- what is asked
+
+
+def answered(model: Model, door: Door, *words: str) -> Any:
+    """The first case of the study; given modes are the whole structure here, and a motion may go on at the end."""
+    study = {"model": "structure.yaml", **model["study"]}
+    answer = door.ask(study, "impact", *words, structure=model["structure"])
+    door.told = [one for one in door.told if not expected_of_given_modes(one)]
+    return next(iter(answer["cases"].values()))
+
+
+def expected_of_given_modes(told: str) -> bool:
+    """What is said of every structure that is its modes, or whose motion is not over."""
+    code = told.split(":")[0]
+    return code.endswith("-beyond-modes") or code in ("structure-not-decayed", "impact-not-over")
+
+
+def numbers(model: Model, door: Door) -> Floats:
+    """Peak and end of each contact and how bodies leave, over what they are by the path's own size."""
+    case, size = answered(model, door), _sizes(model)
+    forces = [case["contacts"][name]["peak_force_n"] / size["N"] for name in _names(model)]
+    opened = [_or_zero(case["contacts"][name]["first_open_s"]) / size["s"] for name in _names(model)]
+    return np.array([*forces, *opened, *(one["end_velocity"] / size["m/s"] for one in case["bodies"].values())])
+
+
+def _or_zero(x: float | None) -> float:
+    return 0.0 if x is None else x
+
+
+def numbers_right(model: Model, _: Door | None = None, rtol: float = 1e-11) -> Floats:
+    """The same by events."""
+    path, size = path_of(model, rtol), _sizes(model)
+    end = np.array([model["study"]["time"]["duration"]])
+    forces = [path.peak(name) / size["N"] for name in _names(model)]
+    opened = []
+    for name in _names(model):
+        times = [b for _, b in path.touching(name) if b < end[0]]
+        opened.append(times[0] / size["s"] if times else 0.0)
+    return np.array([*forces, *opened, *(path.speed(name, end)[0] / size["m/s"] for name in path.chain.bodies)])
+
+
+def _names(model: Model) -> list[str]:
+    return [one.name for one in chain_of(model).touches]
+
+
+def _sizes(model: Model) -> dict[str, float]:
+    path = path_of(model)
+    speed = max((abs(one) for one in path.chain.start.values()), default=1.0)
+    force = max(path.peak(one.name) for one in path.chain.touches)
+    return {"N": force, "s": model["study"]["time"]["duration"], "m/s": speed}
+
+
+def motions(model: Model, door: Door) -> Floats:
+    """Histories of all that moves, each over its largest by the path."""
+    study = {"model": "structure.yaml", **model["study"]}
+    found, path = door.histories(study, structure=model["structure"]), path_of(model)
+    times = _times(model)
+    rows = []
+    for name in [*path.chain.bodies, *(f"{point}.z" for point in path.chain.shapes)]:
+        for what in ("displacement", "velocity"):
+            size = np.abs(_moved(path, name, what, times)).max() or 1.0
+            rows.append(np.interp(times, found["t"], found[f"{name} {what}"]) / size)
+    return np.concatenate(rows)
+
+
+def _times(model: Model) -> Floats:
+    time = model["study"]["time"]
+    return np.arange(int(time["duration"] * time["sampling"] * (1 - 1e-9))) / time["sampling"]
+
+
+def _moved(path: ev.Path, name: str, what: str, times: Floats) -> Floats:
+    of = path.moved if what == "displacement" else path.speed
+    return of(name.removesuffix(".z"), times)
+
+
+def motions_right(model: Model, _: Door | None = None, rtol: float = 1e-11) -> Floats:
+    """The same by events."""
+    path, best, times = path_of(model, rtol), path_of(model), _times(model)
+    rows = []
+    for name in [*path.chain.bodies, *(f"{point}.z" for point in path.chain.shapes)]:
+        for what in ("displacement", "velocity"):
+            size = np.abs(_moved(best, name, what, times)).max() or 1.0
+            rows.append(_moved(path, name, what, times) / size)
+    return np.concatenate(rows)
+
+
+# ---- scenes
+
+
+def oscillator(rng: np.random.Generator) -> dict[str, Any]:
+    """A mass on a spring, with its point m."""
+    mass, frequency = between(rng, 0.5, 50), between(rng, 3, 300)
+    spring = (
+        {"frequency": frequency} if rng.random() < 0.5 else {"stiffness": rounded(mass * (2 * pi * frequency) ** 2)}
+    )
+    ratio = rounded(float(rng.uniform(0, 0.1)))
+    what = {"type": "oscillator", "mass": mass, **spring}
+    return {"structure": what, "points": {"m": {}}, "damping": {"ratio": ratio}}
+
+
+def given_modes(rng: np.random.Generator, lowest: float = 3.0) -> dict[str, Any]:
+    """One to three modes with points P, and Q below it."""
+    count = int(rng.integers(1, 4))
+    frequency = sorted(between(rng, lowest, 400) for _ in range(count))
+    ratio = [rounded(float(rng.uniform(0, 0.08))) for _ in frequency]
+    points = {
+        name: {"shape": [rounded(float(rng.uniform(-1, 1))) + 0.05 for _ in frequency], "at": at}
+        for name, at in (("P", 0.5), ("Q", 0.0))
+    }
+    return {"structure": {"type": "modes", "frequency": frequency, "ratio": ratio, "points": points}}
+
+
+def base_of(structure: Mapping[str, Any]) -> str:
+    """Where bodies strike."""
+    what = structure["structure"]
+    return "ground" if what == "none" else "m" if what["type"] == "oscillator" else "P"
+
+
+def scene(
+    rng: np.random.Generator, structure: Mapping[str, Any], kind: str = "", lying: int = 0, turns: float = 6.0
+) -> dict[str, Any]:
+    """A body that strikes a structure, or what lies on it. turns : duration, in contacts that last as drawn."""
+    target, time, speed = base_of(structure), between(rng, 5e-4, 5e-3), between(rng, 0.1, 4)
+    modes = modes_of(structure)[0]
+    study: dict[str, Any] = {"bodies": {}, "contacts": {}, "record": {}}
+    for number in range(lying):
+        name, mass = f"b{number}", between(rng, 0.05, 2)
+        study["bodies"][name] = {"mass": mass, "above": target}
+        law = draw_law(rng, mass, speed, between(rng, 5e-4, 5e-3), any_law(rng), e=False)
+        pair = [name, target] if rng.random() < 0.5 else [target, name]
+        study["contacts"][f"under {name}"] = {"between": pair, "law": law}
+        target = name
+    mass = between(rng, 0.05, 2)
+    met = study["bodies"][target]["mass"] if lying else np.inf
+    law = draw_law(rng, 1 / (1 / mass + 1 / met), speed, time, kind or any_law(rng))
+    body = {"mass": mass, "above": target}
+    study["bodies"]["a"] = body | (
+        {"drop_height": rounded(speed**2 / 2 / G)} if rng.random() < 0.5 else {"speed": speed}
+    )
+    if rng.random() < 0.6:
+        study["bodies"]["a"]["contact"] = law
+    else:
+        study["contacts"]["hit"] = {"between": ["a", target], "law": law}
+    duration = rounded(turns * time)
+    study["time"] = {"duration": duration, "sampling": float(np.ceil(200 / duration))}
+    if modes:
+        study["modes"] = {"count": len(modes)}
+    record(study, structure)
+    return {"study": study, "structure": dict(structure)}
+
+
+def record(study: dict[str, Any], structure: Mapping[str, Any]) -> None:
+    """Ask for the histories of all."""
+    for name in study["bodies"]:
+        study["record"][name] = ["displacement", "velocity"]
+    for name in modes_of(structure)[2]:
+        study["record"][f"{name}.z"] = ["displacement", "velocity", "acceleration"]
+
+
+def any_law(rng: np.random.Generator) -> str:
+    """One of them."""
+    return str(rng.choice(LAWS))
+
+
+NOTHING: Final = {"structure": "none"}
+
+
+def clear(draw: Any, right: Any, allowed: float = 1e-9) -> Any:
+    """A draw whose answer does not hang on the tolerance of an integration."""
+    for _ in range(20):
+        model = draw()
+        try:
+            if np.abs(right(model, rtol=1e-9) - right(model)).max() < allowed * 100:
+                return model
+        except (RuntimeError, ValueError):  # events without end
+            continue
+    raise ValueError("20 draws that hang on rounding")
+
+
+def _of_numbers(draw: Any) -> Case:
+    return Case(clear(draw, numbers_right), numbers, numbers_right, 1e-6, _WHY, _KNOBS)
+
+
+def _of_motions(draw: Any) -> Case:
+    return Case(clear(draw, motions_right), motions, motions_right, 1e-6, _WHY, _KNOBS)
+
+
+def _law_capability(kind: str) -> None:
+    @capability(f"impacts: a blow with a {kind} law", "independent")
+    def _(rng: np.random.Generator) -> Case:
+        structure = NOTHING if rng.random() < 0.5 else oscillator(rng)
+        return _of_numbers(lambda: scene(rng, structure, kind, turns=float(rng.uniform(1.5, 6))))
+
+
+for _kind in LAWS:
+    _law_capability(_kind)
+
+
+@capability("impacts: a stack is struck", "independent")
+def _(rng: np.random.Generator) -> Case:
+    return _of_motions(lambda: _weighed(rng, scene(rng, NOTHING, lying=int(rng.integers(1, 3)))))
+
+
+@capability("impacts: what lies on a structure is struck", "independent")
+def _(rng: np.random.Generator) -> Case:
+    return _of_motions(lambda: _weighed(rng, scene(rng, _some(rng), lying=1)))
+
+
+@capability("impacts: a blow on given modes", "independent")
+def _(rng: np.random.Generator) -> Case:
+    return _of_motions(lambda: _weighed(rng, scene(rng, given_modes(rng))))
+
+
+def _some(rng: np.random.Generator) -> dict[str, Any]:
+    return oscillator(rng) if rng.random() < 0.5 else given_modes(rng)
+
+
+def _weighed(rng: np.random.Generator, model: dict[str, Any]) -> dict[str, Any]:
+    """With gravity, in half of the draws."""
+    if rng.random() < 0.5:
+        model["study"]["time"]["gravity"] = True
+    return model
+
+
+def _hung(rng: np.random.Generator, model: dict[str, Any], gap: bool = False, preload: bool = False) -> dict[str, Any]:
+    """A body below the structure, held by a link, that it touches at rest or across a gap."""
+    study, base = model["study"], base_of(model["structure"])
+    mass, q = between(rng, 0.05, 2), "Q" if base == "P" and rng.random() < 0.5 else base
+    study["bodies"]["d"] = {"mass": mass, "below": q}
+    speed = study["bodies"]["a"].get("speed", 1.0)
+    law = draw_law(rng, mass, speed, between(rng, 5e-4, 5e-3), any_law(rng), e=False)
+    study["contacts"]["under"] = {"between": [q, "d"], "law": law}
+    if gap:
+        study["contacts"]["under"]["gap"] = rounded(float(rng.uniform(0, 2e-4)))
+    if preload:
+        force = rounded(float(rng.uniform(0.1, 30)))
+        study["contacts"]["under"]["preload"] = min(force, 0.5 * law["curve"][-1][1] if "curve" in law else force)
+    k, c = rounded(mass * (2 * pi * between(rng, 2, 80)) ** 2), rounded(float(rng.uniform(0, 0.5)) * mass * 100)
+    ways: list[dict[str, Any]] = [
+        {"stiffness": k, "damping": c},
+        {"stiffness": k, "damping": {"closing": 0.0, "opening": c}},
+        {"frequency": between(rng, 2, 80), "ratio": rounded(float(rng.uniform(0, 0.4)))},
+    ]
+    study["links"] = {"hold": {"between": ["d", "ground" if rng.random() < 0.6 else base], **ways[rng.integers(3)]}}
+    record(study, model["structure"])
+    return model
+
+
+@capability("impacts: a body below across a gap", "independent")
+def _(rng: np.random.Generator) -> Case:
+    return _of_motions(lambda: _hung(rng, scene(rng, _some(rng)), gap=True))
+
+
+@capability("impacts: a preloaded contact", "independent")
+def _(rng: np.random.Generator) -> Case:
+    return _of_motions(lambda: _hung(rng, scene(rng, _some(rng)), preload=True))
+
+
+@capability("impacts: a tuned damper on a link", "independent")
+def _(rng: np.random.Generator) -> Case:
+    def draw() -> dict[str, Any]:
+        model = scene(rng, _some(rng), turns=30.0)
+        study, base = model["study"], base_of(model["structure"])
+        study["bodies"]["d"] = {"mass": between(rng, 0.05, 2), "below": base}
+        tuned = {"frequency": between(rng, 2, 200), "ratio": rounded(float(rng.uniform(0, 0.4)))}
+        study["links"] = {"damper": {"between": ["d", base], **tuned}}
+        record(study, model["structure"])
+        return model
+
+    return _of_motions(draw)
+
+
+@capability("impacts: a half sine on a body or a point", "independent")
+def _(rng: np.random.Generator) -> Case:
+    def draw() -> dict[str, Any]:
+        model = scene(rng, _some(rng))
+        study, base = model["study"], base_of(model["structure"])
+        size = study["bodies"]["a"]["mass"] * study["bodies"]["a"].get("speed", 1.0) / 2e-3
+        push = {"amplitude": rounded(float(rng.uniform(-1, 1)) * size), "frequency": between(rng, 50, 500)}
+        on = {"body": "a"} if rng.random() < 0.5 else {"at": f"{base}.z"}
+        study["loads"] = {"push": {**on, "half_sine": push, "first": rounded(float(rng.uniform(0, 1e-3)))}}
+        return model
+
+    return _of_motions(draw)
+
+
+@capability("impacts: repeated blows", "independent")
+def _(rng: np.random.Generator) -> Case:
+    def draw() -> dict[str, Any]:
+        model = scene(rng, NOTHING if rng.random() < 0.3 else _some(rng), turns=12.0)
+        study = model["study"]
+        count = int(rng.integers(2, 4))
+        study["bodies"]["a"]["blows"] = {"count": count, "every": rounded(study["time"]["duration"] / 3)}
+        return model
+
+    return _of_motions(draw)
+
+
+@capability("impacts: a gap before the first touch", "independent")
+def _(rng: np.random.Generator) -> Case:
+    def draw() -> dict[str, Any]:
+        model = scene(rng, NOTHING if rng.random() < 0.3 else _some(rng))
+        body, study = model["study"]["bodies"]["a"], model["study"]
+        if "contact" in body:
+            study["contacts"]["hit"] = {"between": ["a", body["above"]], "law": body.pop("contact")}
+        speed = body.get("speed") or sqrt(2 * G * body["drop_height"])
+        study["contacts"]["hit"]["gap"] = rounded(float(rng.uniform(0, 0.4)) * speed * study["time"]["duration"])
+        return _weighed(rng, model)
+
+    return _of_motions(draw)
+
+
+@capability("impacts: the structure moves at the start", "independent")
+def _(rng: np.random.Generator) -> Case:
+    def draw() -> dict[str, Any]:
+        model = scene(rng, oscillator(rng))
+        model["study"]["initial"] = {"velocity": {"m.z": rounded(float(rng.uniform(-1, 1)))}}
+        return model
+
+    return _of_motions(draw)
