@@ -542,3 +542,107 @@ def _(rng: np.random.Generator) -> Case:
         return model
 
     return _of_motions(draw)
+
+
+# ---- relations and limits
+
+
+def _scaled(model: Model, force: float) -> dict[str, Any]:
+    """All masses, springs, dashpots and forces times a number: the same motion."""
+    fresh = json.loads(json.dumps(model))
+    for body in fresh["study"]["bodies"].values():
+        body["mass"] *= force
+    for name in ("mass", "stiffness"):
+        if name in fresh["structure"]["structure"]:
+            fresh["structure"]["structure"][name] *= force
+    laws = [one["law"] for one in fresh["study"]["contacts"].values()]
+    for law in laws + [one["contact"] for one in fresh["study"]["bodies"].values() if "contact" in one]:
+        for name in ("stiffness", "damping", "cubic"):
+            if name in law:
+                law[name] *= force
+        if "E" in law:
+            law["E"] = [one * force for one in law["E"]]
+        if "curve" in law:
+            law["curve"] = [[d, f * force] for d, f in law["curve"]]
+    return fresh  # type: ignore[no-any-return]
+
+
+def _ends(model: Model, door: Door, *words: str) -> Floats:
+    """Peaks and how bodies leave, by name."""
+    case = answered(model, door, *words)
+    forces = [one["peak_force_n"] for _, one in sorted(case["contacts"].items())]
+    return np.array([*forces, *(one["end_velocity"] for _, one in sorted(case["bodies"].items()))])
+
+
+@capability("impacts: masses and springs twice as large", "relation")
+def _(rng: np.random.Generator) -> Case:
+    model = clear(lambda: scene(rng, oscillator(rng), lying=int(rng.integers(0, 2))), numbers_right)
+
+    def right(model: Model, door: Door) -> Floats:
+        found, count = _ends(_scaled(model, 2.0), door), len(_names(model))
+        return np.concatenate([found[:count] / 2, found[count:]])
+
+    return Case(model, _ends, right, 1e-8, "the same motion; two, a power of two, changes rounding little", _KNOBS)
+
+
+@capability("impacts: bodies and contacts in another order", "relation")
+def _(rng: np.random.Generator) -> Case:
+    model = clear(lambda: _hung(rng, scene(rng, _some(rng), lying=1), gap=True), numbers_right)
+
+    def right(model: Model, door: Door) -> Floats:
+        study = dict(model["study"])
+        for group in ("bodies", "contacts"):
+            study[group] = dict(reversed(study[group].items()))
+        return _ends({**model, "study": study}, door)
+
+    return Case(model, _ends, right, 1e-8, "sums in another order", _KNOBS)
+
+
+@capability("impacts: a mass by --set or in the file", "relation")
+def _(rng: np.random.Generator) -> Case:
+    model = clear(lambda: scene(rng, _some(rng)), numbers_right)
+    mass = between(rng, 0.05, 2)
+
+    def asked(model: Model, door: Door) -> Floats:
+        return _ends(model, door, "--set", f"bodies.a.mass={mass!r}")
+
+    def right(model: Model, door: Door) -> Floats:
+        fresh = json.loads(json.dumps(model))
+        fresh["study"]["bodies"]["a"]["mass"] = mass
+        return _ends(fresh, door)
+
+    return Case(model, asked, right, 1e-12, "the same input", _KNOBS)
+
+
+@capability("impacts: energies add up at the end", "limit")
+def _(rng: np.random.Generator) -> Case:
+    model = clear(lambda: _hung(rng, scene(rng, _some(rng)), gap=True), numbers_right)
+
+    def asked(model: Model, door: Door) -> Floats:
+        energy = answered(model, door)["energy"]
+        end = energy["end"]
+        kept = sum(end[name] for name in model["study"]["bodies"]) + end["structure"] + end["stored"]
+        return np.array([(kept + end["dissipated"]) / energy["input_j"]])
+
+    return Case(model, asked, lambda *_: np.ones(1), 1e-6, "first law; quadrature of the losses", _KNOBS)
+
+
+@capability("impacts: energy of bodies at the end", "independent")
+def _(rng: np.random.Generator) -> Case:
+    model = clear(lambda: scene(rng, _some(rng), lying=int(rng.integers(0, 2))), numbers_right)
+
+    def asked(model: Model, door: Door) -> Floats:
+        end = answered(model, door)["energy"]["end"]
+        return np.array([end[name] for name in model["study"]["bodies"]] + [end["structure"]])
+
+    def right(model: Model, _: Door) -> Floats:
+        path, time = path_of(model), model["study"]["time"]
+        end = np.array([np.floor(time["duration"] * time["sampling"]) / time["sampling"]])
+        state, modes, n = path.at(end)[:, 0], len(path.chain.omega), path.chain.size
+        z, v = state[:modes], state[n : n + modes]
+        bodies = [m * path.speed(name, end)[0] ** 2 / 2 for name, m in path.chain.bodies.items()]
+        return np.array(
+            [*bodies, float(v @ v + (np.array(path.chain.omega) * z) @ (np.array(path.chain.omega) * z)) / 2]
+        )
+
+    return Case(model, asked, right, 1e-6, _WHY + "; the end is the last sample", _KNOBS)
