@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
@@ -14,7 +15,12 @@ from femstruct.files.tables.study_tables import summary
 from femstruct.language import read_study
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.energy_over_time import energy
+from femstruct.view.figures.undrawn import no_shapes
+from femstruct.view.scenes.scene import shapes_all
+from femstruct.view.tables.blow_table import blows
+from femstruct.view.tables.structure_tables import show_modes
 from femstruct.view.tables.terminal import show_study
+from femstruct.workflow.check.asked_modes import extent_of, modes_of
 from femstruct.workflow.run.output import write_all
 from femstruct.workflow.run.run import run_study
 
@@ -202,3 +208,50 @@ def test_mistakes_say_where(name: str, tmp_path: Path) -> None:
 def test_a_comb_of_blows_says_nothing_of_modes(strokes: StudyResult) -> None:
     for beside in strokes.comparison.cases.values():
         assert not any(beside.modes_db.values())
+
+
+def test_a_table_of_blows_has_units_that_suit_it_and_no_zeros_of_no_structure(tmp_path: Path) -> None:
+    """Half of m v^2 of a ball of 1 t with 2 m/s is 2 kJ, a thousandth of it 2 J; bodies alone have no structure."""
+    law = "contact: {type: linear, stiffness: 1 GN/m}, blows: {count: 2, every: 20 ms}"
+    body = f"{{mass: %s, above: %s, speed: 2 m/s, {law}}}"
+    more = "time: {duration: 40 ms, sampling: 20 kHz, gravity: false}\n"
+    (tmp_path / "m.yaml").write_text("structure: {type: oscillator, mass: 1 t, stiffness: 1 N/m}\npoints: {m: {}}\n")
+    (tmp_path / "none.yaml").write_text("structure: none\n")
+
+    def rows(model: str, mass: str, above: str) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+        text = f"model: {model}\nbodies: {{ball: {body % (mass, above)}}}\nrecord: {{ball: velocity}}\n{more}"
+        (tmp_path / "s.study.yaml").write_text(text, encoding="utf-8")
+        table = blows(run_study(read_study(tmp_path / "s.study.yaml")))
+        return table.columns, table.rows
+
+    heads, (first, _) = rows("m.yaml", "1 t", "m")
+    assert heads[6] == "structure at most [kJ]" and float(first[6]) == pytest.approx(2.0, rel=1e-3)  # printed digits
+    heads, (first, _) = rows("m.yaml", "1 kg", "m")
+    share = 4.0 * 1000.0 / 1001.0**2  # of the energy that an elastic impact hands over
+    assert heads[6] == "structure at most [mJ]" and float(first[6]) == pytest.approx(2e3 * share, rel=1e-3)  # digits
+    assert [row[6:] for row in rows("none.yaml", "1 kg", "ground")[1]] == [("no structure", "")] * 2
+
+
+def test_a_structure_that_only_floats_is_run_with_its_pictures(tmp_path: Path) -> None:
+    """It ended in an error, "no elastic mode": there is no shape to draw, which is said."""
+    model = "parts: {block: {type: block, mass: 1 t, origin: [0, 0, 0], size: [1, 1, 1]}}\n"
+    model += "points: {m: {on: block, at: top}}\n"
+    (tmp_path / "m.yaml").write_text(model, encoding="utf-8")
+    ball = "{mass: 1 t, above: m, speed: 2 m/s, contact: {type: linear, stiffness: 1 MN/m}}"
+    text = f"model: m.yaml\nmodes: {{count: 6}}\nbodies: {{ball: {ball}}}\nrecord: {{m.z: velocity}}\n"
+    text += "time: {duration: 100 ms, sampling: 5 kHz, gravity: false}\n"
+    (tmp_path / "s.study.yaml").write_text(text, encoding="utf-8")
+    result = run_study(read_study(tmp_path / "s.study.yaml"))
+    assert shapes_all(result, tmp_path) == (
+        [],
+        "Pictures of shapes left out: all modes of a structure are rigid-body modes.",
+    )
+    assert no_shapes(result) == "all modes are rigid-body modes"
+    (case,) = result.cases.values()
+    assert case.response.bodies["ball"].end_velocity == pytest.approx(0.0, abs=1e-6)  # m/s: of equal masses, tolerance
+
+
+def test_bodies_alone_have_no_table_of_modes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "none.yaml").write_text("structure: none\n")
+    show_modes(modes_of(tmp_path / "none.yaml", extent_of(None, "")))
+    assert capsys.readouterr().out == "none\nno modes: bodies only\n"

@@ -323,9 +323,13 @@ def test_a_spectrum_ends_where_something_is_known(result):
 def test_a_body_that_came_to_rest_is_told_to_rest(result):
     case = result.cases[BESIDE]
     (name, body), *others = case.response.bodies.items()
-    for end, told in ((1e-9, "ends at rest"), (-2e-3, "ends with -2 mm/s")):
+    moved = np.linspace(0.0, -2.5e-3, len(body.velocity))
+    for end, told in (
+        (1e-9, "ends at -2.5 mm, at rest"),
+        (-2e-3, "ends at -2.5 mm, moving"),
+    ):  # a picture of displacements
         velocity = np.full(len(body.velocity), 0.5)
-        bodies = {name: replace(body, velocity=velocity, end_velocity=end), **dict(others)}
+        bodies = {name: replace(body, velocity=velocity, displacement=moved, end_velocity=end), **dict(others)}
         response = replace(case.response, bodies=bodies)
         figure = travels(replace(result, cases={**result.cases, BESIDE: replace(case, response=response)}))
         assert f"{BESIDE}: {told}" in figure.axes[0].get_legend_handles_labels()[1]

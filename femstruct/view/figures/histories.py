@@ -102,11 +102,12 @@ def _amount(unit: str, value: float) -> str:
 
 
 def _ending(body: BodyHistory) -> str:
-    """The speed a body ends with, if there is one beside its largest."""
+    """Where a body ends, and whether it still moves there."""
+    where = f"ends at {_amount('m', float(body.displacement[-1]))}"
     fastest = float(np.abs(body.velocity).max(initial=0.0))
     if abs(body.end_velocity) <= RESTING * fastest:
-        return "ends at rest"
-    return f"ends with {_amount('m/s', body.end_velocity)}"
+        return f"{where}, at rest"
+    return f"{where}, moving"
 
 
 def scaled_time(end: float) -> tuple[float, str]:

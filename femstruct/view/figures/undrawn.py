@@ -102,7 +102,10 @@ def no_model(result: StudyResult) -> str:
 
 def no_shapes(result: StudyResult) -> str:
     """Of the modes of any case."""
-    return "" if any(model is not None for model in result.models.values()) else "the structure is in closed form"
+    if all(model is None for model in result.models.values()):
+        return "the structure is in closed form"
+    elastic = any("elastic" in case.basis.kind for case in result.cases.values())
+    return "" if elastic else "all modes are rigid-body modes"
 
 
 def _baseline(result: StudyResult) -> CaseResult:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Final
 
 from femstruct.modal.basis import ModalBasis
@@ -38,5 +39,5 @@ def _modes(basis: ModalBasis) -> list[str]:
     true = basis.modes
     found = []
     for f, ratio, kind in zip(basis.frequency_hz[true], basis.damping_ratio[true], basis.kind[true], strict=True):
-        found.append(f"{f:.2f}" + ("" if kind == "rigid" else f", {100.0 * ratio:.3g} %"))
+        found.append(f"{f:.2f}" + ("" if kind == "rigid" or isnan(ratio) else f", {100.0 * ratio:.3g} %"))
     return found

@@ -48,13 +48,16 @@ def shapes_all(result: StudyResult, folder: str | Path) -> tuple[list[Path], str
     Returns the paths and, where something is left out, a sentence that says why ("" otherwise): a machine without
     OpenGL cannot draw, a structure in closed form has no shape to draw. Of no structure nothing is left out.
     """
-    paths: list[Path] = []
+    paths, rigid = list[Path](), False
     alike: dict[str, list[str]] = {}
     for name in dict.fromkeys((result.plan.baseline, *result.cases)):
         alike.setdefault(result.cases[name].basis_key, []).append(name)
     for key, (name, *others) in alike.items():
         model = result.models.get(key)
         if model is None:
+            continue
+        if "elastic" not in result.cases[name].basis.kind:
+            rigid = True
             continue
         words = ("mode_shapes",) if name == result.plan.baseline else ("mode_shapes", name)
         path = Path(folder) / file_name(*words)
@@ -64,6 +67,8 @@ def shapes_all(result: StudyResult, folder: str | Path) -> tuple[list[Path], str
             return paths, str(error)
         paths.append(path)
     known = any(case.basis.omega.size for case in result.cases.values())
+    if rigid:
+        return paths, "Pictures of shapes left out: all modes of a structure are rigid-body modes."
     return paths, "Pictures of shapes left out: the structure is in closed form." if known and not paths else ""
 
 

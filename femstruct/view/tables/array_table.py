@@ -5,21 +5,27 @@ from __future__ import annotations
 from femstruct.files.tables.array_tables import TERMS, array_tables
 from femstruct.study.result import StudyResult
 from femstruct.view.tables.grid import Grid
-from femstruct.view.tables.scales import digits
+from femstruct.view.tables.scales import digits, scaled
 
 
 def arrays(result: StudyResult) -> Grid:
     """A row for every body of an array, and one for all of them."""
-    columns = ("", "case", "peak force [N]", "kinetic [mJ]", "stored in its joints [mJ]", "dissipated there [mJ]")
-    grid = Grid("arrays of bodies, at the end", columns, keys=2)
-    for case_name, case in result.cases.items():
-        for array, table in array_tables(case.response).items() if case.response is not None else ():
+    found = {
+        name: array_tables(case.response) if case.response is not None else {} for name, case in result.cases.items()
+    }
+    ends = [row for tables in found.values() for table in tables.values() for row in table["end"].values()]
+    joules = [scaled("J", max((abs(row[term]) for row in ends), default=0.0)) for term in TERMS]  # each column its own
+    words = ("kinetic", "stored in its joints", "dissipated there")
+    told = (f"{word} [{unit}]" for word, (_, unit) in zip(words, joules, strict=True))
+    grid = Grid("arrays of bodies, at the end", ("", "case", "peak force [N]", *told), keys=2)
+    for case_name, tables in found.items():
+        for array, table in tables.items():
             for name, row in table["end"].items():
                 peak = table["peak_force_n"].get(name)
                 grid.add(
                     f"{array}, all" if peak is None else name,
                     case_name,
                     "" if peak is None else digits(peak),
-                    *(f"{1e3 * row[term]:.4g}" for term in TERMS),
+                    *(f"{joule * row[term]:.4g}" for term, (joule, _) in zip(TERMS, joules, strict=True)),
                 )
     return grid

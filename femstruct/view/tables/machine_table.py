@@ -157,7 +157,8 @@ def _sags(machine: Machine) -> str:
 
 def _modes(machine: Machine) -> str:
     told = [
-        f"{mode.frequency_hz:.2f} ({max(mode.shares, key=mode.shares.__getitem__)}) {100 * mode.ratio:.3g} %"
+        f"{mode.frequency_hz:.2f} ({max(mode.shares, key=mode.shares.__getitem__)})"
+        + ("" if isnan(mode.ratio) else f" {100 * mode.ratio:.3g} %")
         for mode in machine.modes[:MODES_SHOWN]
     ]
     return "\n".join(told) or "-"

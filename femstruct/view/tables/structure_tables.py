@@ -22,6 +22,8 @@ LEAST_TILT_SHOWN = 1e-6  # rad: a micrometre a metre is rounding, or nobody's co
 def show_modes(table: Row, verbose: bool = False) -> None:
     """Mode numbers, frequencies, damping ratios, kinds and effective masses; verbose : remarks, too."""
     screen = console()
+    if not table["frequency_hz"]:
+        screen.print(f"{table['title']}\nno modes: bodies only" if not table["mass_kg"] else table["title"])
     grid = Grid(
         table["title"], ("mode", "frequency [Hz]", "damping ratio", "kind", "x [%]", "y [%]", "z [%] of the mass")
     )
