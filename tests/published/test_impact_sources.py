@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
 from acoustics.levels.exposure import force_exposure_levels
+from femstruct import read_study
 from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.scene.impact_sources import (
     BANG_MACHINE,
     CONTACT_S,
+    DROPPED,
     EXPOSURE_ALLOWED_DB,
     RESTITUTION,
     RUBBER_BALL,
@@ -73,3 +77,21 @@ def test_exposure_levels_of_a_blow_are_its_spectrum_in_the_octave():
     gain = 1 / (1 + ((f / centre - centre / f) / width) ** 8)
     whole = 10 * np.log10(2 * 0.5 * np.sum(spectrum**2 * gain))
     assert force_exposure_levels(force, 1 / SAMPLING)[63.0] == pytest.approx(whole, abs=0.02)  # the line spacing
+
+
+@pytest.mark.parametrize(("name", "source"), DROPPED.items(), ids=DROPPED)
+def test_a_study_drops_the_source_as_it_is(name, source, tmp_path):
+    """Every field of its law, how points are joined too: a ball that was joined by straight lines was another one."""
+    (tmp_path / "floor.yaml").write_text(
+        "parts: {floor: {type: block, mass: 100 kg, origin: [0, 0, 0], size: [1, 1, 0.04]}}\n"
+        "supports: {pit: {on: floor, fix: [x, y]}}\n"
+        "points: {top: {on: floor, at: [0.5, 0.5, 0.04]}}\n"
+    )
+    path = tmp_path / "drop.study.yaml"
+    path.write_text(
+        f"model: floor.yaml\nmodes: {{count: 1}}\nbodies: {{it: {{source: {name}, above: top}}}}\n"
+        "time: {duration: 50 ms, sampling: 2 kHz, gravity: true}\n"
+    )
+    law = read_study(path).cases[0].study.bodies[0].law
+    for field in fields(source.law):
+        assert np.array_equal(getattr(law, field.name), getattr(source.law, field.name)), field.name

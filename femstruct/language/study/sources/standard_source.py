@@ -94,7 +94,7 @@ def _dropped(name: str) -> dict[str, Any]:
     pad, fist, source = RUBBER_BALL.law, BANG_MACHINE.law, DROPPED[name]
     curve = [list(pair) for pair in zip(pad.indentations.tolist(), pad.forces.tolist(), strict=True)]
     contacts = {
-        "rubber ball": {"type": pad.word, "curve": curve, "dissipation": pad.dissipation},
+        "rubber ball": {"type": pad.word, "curve": curve, "dissipation": pad.dissipation, "smooth": pad.smooth},
         "bang machine": {"type": fist.word, "stiffness": fist.stiffness, "damping": fist.damping},
     }
     return {"mass": source.mass, "drop_height": source.drop_height, "contact": contacts[name]}
