@@ -139,7 +139,7 @@ IMPACT: Final = (
         "The structure still vibrates when the window ends.",
         LIMITS,
         "the energy at the end is more than the threshold share of the largest",
-        "Simulate longer, if spectra are of interest. Peaks are not affected.",
+        "Simulate longer, if spectra are of interest. Peaks of motions and forces are not affected.",
         (Limit(1e-2, "of the largest energy", "a decay by 20 dB", CHOSEN, "contact_findings.NOT_DECAYED"),),
     ),
     Entry(

@@ -261,6 +261,15 @@ MODES: Final = (
         (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
     ),
     Entry(
+        "pressure-cut-off",
+        "A low-passed pressure still changes when the window ends.",
+        LIMITS,
+        "its peak is another one by more than the threshold if there were silence after the window. What follows the "
+        "window is computed for motions and forces; for pressures it is not",
+        "Do not quote the peak. Simulate longer, until the room is quiet.",
+        (Limit(0.01, "% of the peak", "less is not seen in decibels", CHOSEN, "peaks.CUT_OFF"),),
+    ),
+    Entry(
         "fatigue-coarsely-sampled",
         "Samples miss the peaks of the history whose cycles are counted.",
         LIMITS,

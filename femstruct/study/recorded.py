@@ -63,7 +63,8 @@ class Channel:
     by_modes : the same peaks of the motion of a point in its true modes, without residual vectors; None for what is no
     such motion, or where there are none; of a stress likewise. stressed : of a stress, which is the largest anywhere in
     its part at each time, where it is largest ever. struck : False where nothing meets: there is no first impact,
-    tables have the peak of the whole window alone, and that alone is judged.
+    tables have the peak of the whole window alone, and that alone is judged. silent_after : of a low-passed pressure,
+    the same peaks if it were silent after the window, where it was held: what follows is not computed. None of others.
     """
 
     name: str
@@ -74,3 +75,4 @@ class Channel:
     by_modes: tuple[float, float] | None = None
     stressed: LargestStress | None = None
     struck: bool = True
+    silent_after: tuple[float, float] | None = None

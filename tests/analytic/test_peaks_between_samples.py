@@ -17,9 +17,12 @@ from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.language import read_study
 from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.study.asked import PeakRule
+from femstruct.study.recorded import Channel
 from femstruct.study.result import CaseResult
 from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.recorded.windowed_peaks import between, in_band
+from femstruct.workflow.stages.recorded.peaks import converged, cut_off_findings
+from femstruct.workflow.stages.recorded.windowed_peaks import Peaks, between, in_band
 
 LOW = 0.995  # two of 32 samples a period beside the top of a sine: 1 - (pi / 32)^2 / 2
 SWEEP = [500.0, 900.0, 1e3, 1.7e3, 2e3, 3.3e3, 5e3, 12e3, 31e3, 48e3]
@@ -306,6 +309,8 @@ def test_a_structure_was_at_rest_before_a_blow_whose_force_jumps(tmp_path: Path)
     assert 0.95 * bound < channels["m.z acceleration"].whole < bound
     lead = np.arange(-40_000, 0) / 40e3  # 1 s, 50 periods of the edge
     body = channels["a displacement"].values
+    (tmp_path / "on.study.yaml").write_text(STRUCK.replace("0.3 s", "0.5 s"), encoding="utf-8")
+    onward = run(tmp_path / "on.study.yaml").channels  # ten periods of the edge further
     for name, before in {
         "m.z acceleration": 0.0 * lead,
         "m.z velocity": 0.0 * lead,
@@ -314,13 +319,57 @@ def test_a_structure_was_at_rest_before_a_blow_whose_force_jumps(tmp_path: Path)
         "a displacement": -lead,
         "a travel": -lead,
     }.items():
-        values, within = channels[name].values.copy(), 1e-6
+        values, within = onward[name].values.copy(), 1e-6
         if name == "m.z acceleration":  # half an interval of the jump lies before it; the rest by trapezes
             values[0], within = 0.5 * values[0], 1e-4
-        own = own_low_pass(values, before, 40e3, 50.0)
-        # the polynomial's rounding at 50 Hz of 40 kHz is 1e-9; what moves on at the end is cut off by both in one way
+        own = own_low_pass(values, before, 40e3, 50.0)[: len(channels[name].values)]
+        # the polynomial's rounding at 50 Hz of 40 kHz is 1e-9; six periods ahead of the edge leave e^-14 = 6e-7
         assert channels[name].whole == pytest.approx(np.abs(own).max(), rel=within), name
     assert body[0] == 0.0
+
+
+@pytest.mark.parametrize("lowpass", [22.0, 60.0])
+def test_a_structure_that_rings_at_the_end_is_followed_beyond_it(lowpass: float, tmp_path: Path) -> None:
+    """102 Hz behind a low-pass at 22 and 60 Hz: the motion, cut off at the end of the window, was taken to stay there,
+    a step that the filter answered. Against the closed form of the ringing, and the
+    gain of two passes of a Butterworth filter of order 4, 1 / (1 + (f / F)^8)."""
+    w, z = 2.0 * np.pi * 102.0, 0.002
+    model = "structure: {type: oscillator, mass: 10 kg, frequency: 102 Hz}\ndamping: {ratio: 0.2 %}\npoints: {m: {}}\n"
+    (tmp_path / "model.yaml").write_text(model, encoding="utf-8")
+    study = (
+        "model: model.yaml\ninitial: {velocity: {m.z: 1 m/s}}\nrecord: {m.z: [acceleration, velocity, displacement]}\n"
+        f"time: {{duration: 0.2537 s, sampling: 20 kHz}}\npeaks: {{lowpass: {lowpass:g} Hz}}\n"
+    )
+    (tmp_path / "ring.study.yaml").write_text(study, encoding="utf-8")
+    channels = run(tmp_path / "ring.study.yaml").channels
+    t = np.arange(int(3.0 * 20e3)) / 20e3
+    wd = w * np.sqrt(1.0 - z**2)
+    x = np.exp(-z * w * t) * np.sin(wd * t) / wd
+    v = np.exp(-z * w * t) * (np.cos(wd * t) - z * w / wd * np.sin(wd * t))
+    inside = t <= 0.2537
+    lead = np.zeros(20_000)
+    for name, values in {"m.z velocity": v, "m.z displacement": x}.items():
+        own = own_low_pass(values, lead, 20e3, lowpass)[: inside.sum()]
+        # the program sees means about each sample, of a start that jumps: half an interval of it
+        assert channels[name].whole == pytest.approx(np.abs(own).max(), rel=0.02), name
+        steady = 1.0 / (1.0 + (102.0 / lowpass) ** 8)  # of what still rings at the end
+        assert (
+            np.abs(own[-200:]).max() < 1.2 * steady * np.abs(values[inside][-400:]).max() + 1e-3 * channels[name].whole
+        )
+
+
+def test_a_pressure_that_the_window_cuts_off_is_not_quoted() -> None:
+    """30 Hz that go on: held at the end of the window, or silent, they are two numbers behind a low-pass at 10 Hz."""
+    sampling = 4e3
+    t = np.arange(4001) / sampling
+    pressure = np.sin(2.0 * np.pi * 30.0 * t + 1.0)
+    peaks = Peaks(PeakRule(lowpass_hz=10.0), sampling, 0.02, len(t))
+    held, silent = peaks.of(pressure), peaks.of(np.append(pressure, 0.0))
+    cut = Channel("room.mic pressure", pressure, "Pa", *held, silent_after=silent)
+    quiet = Channel("room.far pressure", pressure, "Pa", *held, silent_after=held)
+    (found,) = cut_off_findings({one.name: one for one in (cut, quiet)})
+    assert found.code == "pressure-cut-off" and not converged(cut) and converged(quiet)
+    assert {found.values["peak"], found.values["silent"]} <= {*held, *silent}
 
 
 @pytest.mark.parametrize("lowest", [0.0, 20.0])

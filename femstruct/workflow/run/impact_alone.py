@@ -26,6 +26,7 @@ from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.recorded.channels import motion_rows, record, refuse_absent_forces
 from femstruct.workflow.stages.recorded.evaluated import evaluated
 from femstruct.workflow.stages.recorded.peaks import (
+    cut_off_findings,
     damage_findings,
     fatigue_findings,
     fatigues,
@@ -61,6 +62,7 @@ def of_history(
         *missed_peaks(study, response, channels),
         *missed_pulses(study, response),
         *peak_findings(channels),
+        *cut_off_findings(channels),
         *of_evaluations,
         *force_findings(beyond),
         *fatigue_findings(study, channels),

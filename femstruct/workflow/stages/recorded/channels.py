@@ -28,6 +28,7 @@ from femstruct.workflow.stages.recorded.windowed_peaks import (
     Before,
     Peaks,
     between,
+    beyond,
     first_alone,
     first_window,
     in_band,
@@ -77,9 +78,10 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
             for name, (values, unit) in (kept | pressures).items()
         }
     plain = study.peaks.lowpass_hz is None
-    moves = seen if plain else averaged(seen)
+    onward = seen if plain else beyond(seen, study.peaks)
+    moves = onward if plain else averaged(onward)
     fine = kept if moves is response else kept | histories(study, places, moves)
-    peaks = Peaks(study.peaks, seen.clock.sampling, first_window(study.peaks, seen))
+    peaks = Peaks(study.peaks, seen.clock.sampling, first_window(study.peaks, seen), len(seen.t))
     alone = first_alone(seen, peaks.window)
     moving = alone if plain else None  # a filter needs what comes later
     rest = before_start(study, places, seen)
@@ -90,17 +92,24 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
         found[name] = peaks.of_contact(fine[name][0], seen.contacts[one])
         if alone is not None:
             found[name] = raised(found[name], np.array([alone.contacts[one].peak_force]))
+    silent: dict[str, tuple[float, float]] = {}
     for name, (pressure, _) in pressures.items():
         values, factor = between(pressure, response)
-        found[name] = replace(peaks, sampling=factor * response.clock.sampling).of(values)
-    channels = {name: Channel(name, values, unit, *found[name]) for name, (values, unit) in (kept | pressures).items()}
+        heard = replace(peaks, sampling=factor * response.clock.sampling, count=values.shape[-1])
+        found[name] = heard.of(values)
+        if not plain:
+            silent[name] = heard.of(np.append(values, 0.0))
+    channels = {
+        name: Channel(name, values, unit, *found[name], silent_after=silent.get(name))
+        for name, (values, unit) in (kept | pressures).items()
+    }
     true = np.array([kind != "residual" for kind in response.basis.kind])
     for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
         pair = peaks.of(moved(moves, what, row * true), rest.get(name, AT_REST))
         by_modes = pair if moving is None else raised(pair, moved(moving, what, row * true))
         channels[name] = replace(channels[name], by_modes=by_modes)
     if stresses:
-        channels |= _stresses(stresses, study.peaks, places, response, seen, moving)
+        channels |= _stresses(stresses, study.peaks, places, response, seen, onward, moving)
     met = bool(response.contacts)
     return channels if met else {name: replace(channel, struck=False) for name, channel in channels.items()}
 
@@ -111,14 +120,15 @@ def _stresses(
     places: Places,
     response: Response,
     seen: Response,
+    onward: Response,
     alone: Response | None,
 ) -> dict[str, Channel]:
-    """Histories of the largest equivalent stress of parts, by channel, their peaks as `seen`, and `alone` in the first
-    impact. What is filtered is the motion: the stress of von Mises of a filtered motion is one, a filtered stress of
-    von Mises is not."""
+    """Histories of the largest equivalent stress of parts, by channel, their peaks as `seen`, filtered with what comes
+    after it (`onward`), and `alone` in the first impact. What is filtered is the motion: the stress of von Mises of a
+    filtered motion is one, a filtered stress of von Mises is not."""
     shapes, q = seen.basis.shapes, seen.q
     if rule.lowpass_hz is not None:
-        q = in_band(q, seen.clock.sampling, (0.0, rule.lowpass_hz))
+        q = in_band(onward.q, seen.clock.sampling, (0.0, rule.lowpass_hz))[:, : len(seen.t)]
     kept = q if seen is response and rule.lowpass_hz is None else response.q
     true = np.array([kind != "residual" for kind in seen.basis.kind])
     early = seen.t <= first_window(rule, seen)

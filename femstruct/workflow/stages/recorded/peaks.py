@@ -25,6 +25,7 @@ from femstruct.workflow.stages.recorded.stresses import stressed_at, uneven
 
 CONVERGED = 0.05  # of a peak: what residual vectors may make of it
 MISSED = 0.02  # of a peak: what samples may miss of it before cycles are counted from them
+CUT_OFF = 0.01  # of a peak: what a low-pass may make of where a pressure ends
 CHANGED = 5.0  # per cent: by how much a change against the baseline may depend on them
 
 
@@ -61,9 +62,9 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
 
 
 def converged(channel: Channel) -> bool:
-    """Whether neither the modes left out nor the mesh change more than a little of its peak."""
+    """Whether neither the modes left out, the mesh nor the end of the window change more than a little of its peak."""
     by_modes = channel.by_modes is None or max(map(_apart, _both(channel))) <= CONVERGED
-    return by_modes and (channel.stressed is None or not uneven(channel.stressed))
+    return by_modes and not _cut_off(channel) and (channel.stressed is None or not uneven(channel.stressed))
 
 
 def _differs(found: Fatigue, line: SNLine | None) -> bool:
@@ -143,6 +144,33 @@ def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
                 "'peaks: {lowpass: F}' with F below the last mode",
                 {"peak": peak, "modes_alone": alone, "apart": _apart((peak, alone)), "allowed": CONVERGED},
             )
+
+
+def cut_off_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
+    """Low-passed pressures whose peak depends on what follows the window, the worst of all as one finding."""
+    cut = [one for one in channels.values() if _cut_off(one)]
+    if cut:
+        worst = max(cut, key=lambda one: max(map(_apart, _ends(one))))
+        peak, silent = max(_ends(worst), key=_apart)
+        factor, unit = readable(worst.unit, max(peak, silent))
+        more = f" (and {len(cut) - 1} more)" if len(cut) > 1 else ""
+        yield Finding(
+            "pressure-cut-off",
+            f"{worst.name}: do not quote its low-passed peak{more}. It is {factor * peak:.4g} {unit} if the pressure "
+            f"stays as it is at the end of the window, and {factor * silent:.4g} {unit} if there is silence then. Give "
+            "the study a longer time",
+            {"peak": peak, "silent": silent, "apart": _apart((peak, silent)), "allowed": CUT_OFF},
+        )
+
+
+def _ends(channel: Channel) -> list[tuple[float, float]]:
+    """Its peaks with either end of the window, in the first impact and in all."""
+    pair = channel.silent_after or (channel.first_impact, channel.whole)
+    return list(zip((channel.first_impact, channel.whole), pair, strict=True))
+
+
+def _cut_off(channel: Channel) -> bool:
+    return max(map(_apart, _ends(channel))) > CUT_OFF
 
 
 def change_findings(reference: Mapping[str, Channel], channels: Mapping[str, Channel]) -> Iterator[Finding]:

@@ -17,6 +17,7 @@ from femstruct.impact.simulate import simulate
 from femstruct.study.asked import PeakRule
 
 FILTER_ORDER = 4
+AHEAD = 6.0  # periods of a low-pass after which nothing of what follows is left in it, e^-2.4 a period backwards
 SETTLED = 10.0  # periods of a band's lowest edge after which a filter of order 4 has forgotten
 PEAK_NOISE_FLOOR = 1e-9  # share of the largest value below which a peak is rounding, or a filter's tail
 
@@ -67,6 +68,16 @@ def first_alone(response: Response, window: float) -> Response | None:
     return closer(run) or run
 
 
+def beyond(response: Response, rule: PeakRule) -> Response:
+    """The same run and what comes after its window, as far ahead as a low-pass looks: what still vibrates at the end
+    goes on, and a filter that took it to stop there would ring."""
+    assert rule.lowpass_hz is not None
+    clock = response.clock
+    more = int(np.ceil(AHEAD * clock.sampling / rule.lowpass_hz))
+    duration = (len(response.t) + more) / clock.sampling
+    return simulate(response.basis, response.scene, replace(clock, duration=duration))
+
+
 def raised(peaks: tuple[float, float], values: Floats) -> tuple[float, float]:
     """Peaks in the first impact and in the whole record, and at least those of values in the first impact."""
     first = float(np.abs(values).max(initial=0.0))
@@ -86,7 +97,8 @@ AT_REST: Final = Before()
 def in_band(values: Floats, sampling: float, band: tuple[float, float], before: Before = AT_REST) -> Floats:
     """Histories [.., nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass if one is 0.
 
-    before : what they were before the start; nothing, of a structure at rest. After the end they keep their last value.
+    before : what they were before the start; nothing, of a structure at rest. After the end they keep their last value:
+    of what still changes there, give what follows (`beyond`) and leave its end out.
 
     Notes
     -----
@@ -118,17 +130,19 @@ def in_band(values: Floats, sampling: float, band: tuple[float, float], before: 
 
 @dataclass(frozen=True)
 class Peaks:
-    """How peaks are found: window : end of the first impact [s]."""
+    """How peaks are found. window : end of the first impact [s]. count : of samples in the whole window, where
+    histories go on after it."""
 
     rule: PeakRule
     sampling: float
     window: float
+    count: int | None = None
 
     def of(self, values: Floats, before: Before = AT_REST) -> tuple[float, float]:
         """Peaks of |values| in the first impact and in the whole record."""
         if self.rule.lowpass_hz is not None:
             values = in_band(values, self.sampling, (0.0, self.rule.lowpass_hz), before)
-        size = np.abs(values)
+        size = np.abs(values[: self.count])
         largest = float(size.max())
         first = float(size[np.arange(len(size)) / self.sampling <= self.window].max(initial=0.0))
         return first if first > PEAK_NOISE_FLOOR * largest else 0.0, largest
