@@ -116,9 +116,13 @@ class Frame(Part):
             share = (grids[segment.key] / grids[segment.key][-1])[:, None]
             places = (1.0 - share) * segment.start + share * segment.end
             stands = places - ((1.0 - share) * segment.arms[0] + share * segment.arms[1])
+            corners = np.array(self.lines[int(segment.key[1])][int(segment.key[2]) :][:2])
+            # A bar that its arm makes longer passes its own end, which is no place of the bar.
+            apart = np.linalg.norm(stands[:, None] - corners, axis=2).min(axis=1)
+            kept = np.r_[True, apart[1:-1] > layout.tolerance, True]
+            places, stands = places[kept], stands[kept]
             middles.append((stands[:-1] + stands[1:]) / 2.0)
-            line = self.lines[int(segment.key[1])]
-            stands[0], stands[-1] = line[int(segment.key[2])], line[int(segment.key[2]) + 1]
+            stands[0], stands[-1] = corners
             tips.append(np.stack([places[:-1], places[1:]], axis=1))
             feet.append(np.stack([stands[:-1], stands[1:]], axis=1))
         ends, stands = np.concatenate(tips), np.concatenate(feet)

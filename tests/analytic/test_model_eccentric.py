@@ -11,6 +11,7 @@ from scipy.sparse.linalg import spsolve
 
 from femstruct.assembly.assemble import assemble
 from femstruct.modal.reduction import modal_basis
+from femstruct.modal.statics import statics
 from femstruct.model.material import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.section import i_section, rectangle
@@ -87,6 +88,22 @@ def test_an_arm_along_the_line_only_shortens_the_bar():
     bars = mesh_structure(Structure("bar", (replace(frame, start_offset=(0.2, 0.0, 0.0)),))).parts["bar"]
     assert bars.start[0] == pytest.approx([0.2, 0.0, 0.0])
     assert np.abs(bars.arms.reshape(-1, 3)[1:]).max() <= 1e-15  # rounding: none here
+
+
+@pytest.mark.parametrize("mesh", [0.1, 2.0])
+def test_an_arm_along_the_line_that_lengthens_the_bar(mesh):
+    """It reaches back behind the clamped end: a cantilever of 1.1 m, not one of 1 m with a loose end."""
+    frame = Frame(
+        "bar", STEEL, rectangle("s", 0.02, 0.03), (((0, 0, 0), (1.0, 0, 0)),), mesh, start_offset=(-0.1, 0, 0)
+    )
+    root, tip = (PlaceOn(name, "bar", at=((x, 0.0, 0.0),)) for name, x in (("root", 0.0), ("tip", 1.0)))
+    held = (Support("wall", "clamped", at="root"),)
+    model = mesh_structure(Structure("bar", (frame,), points=(root, tip), supports=held))
+    up = model.points["tip"].probe("z")
+    rest = statics(model, assemble(model), [(up, 1.0)])
+    section = frame.section
+    bent = 1.1**3 / 3 / STEEL.E / section.Iy + 1.1 / (STEEL.E / 2.6 * section.kz * section.A)
+    assert rest.of(up) == pytest.approx(bent, rel=1e-8)  # bars are exact at their ends
 
 
 def test_an_arm_at_one_end_leaves_the_knee_where_it_is():

@@ -98,7 +98,8 @@ def clamped_frequencies(tube: Tube, corners: Floats, count: int, pieces: int = 1
 
 @dataclass(frozen=True)
 class Section:
-    """Area, second moments about local y and z, torsion constant, shear coefficients; corners : outermost (y, z)."""
+    """Area, second moments about local y and z, torsion constant, shear coefficients; corners : outermost (y, z);
+    arm : the largest shear stress of torsion over T / J."""
 
     A: float
     Iy: float
@@ -107,6 +108,7 @@ class Section:
     ky: float = 5 / 6
     kz: float = 5 / 6
     corners: tuple[tuple[float, float], ...] = ()
+    arm: float = 0.0
 
 
 def section(shape: str, **side: float) -> Section:
@@ -116,25 +118,28 @@ def section(shape: str, **side: float) -> Section:
         d = D - 2 * side.get("thickness", D / 2)
         I, q = pi / 64 * (D**4 - d**4), (1 + (d / D) ** 2) ** 2  # noqa: E741
         k = 6 * q / (7 * q + 20 * (d / D) ** 2)  # Cowper, nu = 0
-        return Section(pi / 4 * (D**2 - d**2), I, I, 2 * I, k, k)
+        return Section(pi / 4 * (D**2 - d**2), I, I, 2 * I, k, k, arm=D / 2)
     b, h = side["width"], side["height"]
     corners = tuple((y * b / 2, z * h / 2) for y in (-1, 1) for z in (-1, 1))
     if shape == "rectangle":
         long, thin = max(b, h), min(b, h)
-        odd = np.arange(1, 400, 2)
+        odd = np.arange(1.0, 400.0, 2.0)
         series = float((np.tanh(odd * pi * long / 2 / thin) / odd**5).sum())
         J = long * thin**3 / 3 * (1 - 192 / pi**5 * thin / long * series)
-        return Section(b * h, b * h**3 / 12, h * b**3 / 12, J, corners=corners)
+        inner = 8 / pi**2 * float((1 / np.cosh(np.minimum(odd * pi * long / 2 / thin, 700)) / odd**2).sum())
+        return Section(b * h, b * h**3 / 12, h * b**3 / 12, J, 5 / 6, 5 / 6, corners, thin * (1 - inner))
     if shape == "box":
         t = side["thickness"]
         B, H, A = b - t, h - t, b * h - (b - 2 * t) * (h - 2 * t)
         Iy, Iz = ((u * v**3 - (u - 2 * t) * (v - 2 * t) ** 3) / 12 for u, v in ((b, h), (h, b)))
-        return Section(A, Iy, Iz, 4 * (B * H) ** 2 * t / (2 * (B + H)), 2 * t * B / A, 2 * t * H / A, corners)
+        J = 4 * (B * H) ** 2 * t / (2 * (B + H))
+        return Section(A, Iy, Iz, J, 2 * t * B / A, 2 * t * H / A, corners, J / (2 * B * H * t))
     w, f = side["web"], side["flange"]
     A = 2 * b * f + w * (h - 2 * f)
     Iy = (b * h**3 - (b - w) * (h - 2 * f) ** 3) / 12
     J = (2 * b * f**3 + (h - f) * w**3) / 3
-    return Section(A, Iy, (2 * f * b**3 + (h - 2 * f) * w**3) / 12, J, 5 / 6 * 2 * b * f / A, w * (h - f) / A, corners)
+    Iz = (2 * f * b**3 + (h - 2 * f) * w**3) / 12
+    return Section(A, Iy, Iz, J, 5 / 6 * 2 * b * f / A, w * (h - f) / A, corners, max(w, f))
 
 
 def cross(r: Floats) -> Floats:
@@ -164,7 +169,7 @@ class Skeleton:
 
     def __init__(self, order: int = 7) -> None:
         self.at: list[Floats] = []
-        self.bars: list[tuple[Floats, Floats, Floats, Section, float, float]] = []  # motions, arms, axes, .., E, length
+        self.bars: list[tuple[Floats, Floats, Floats, Section, tuple[float, float], float]] = []  # motions, arms, axes
         self._terms: dict[str, list[tuple[Floats, Floats]]] = {"K": [], "M": [], "C": [], "H": []}
         self._equations: list[dict[int, float]] = []
         self._order = order
@@ -214,7 +219,7 @@ class Skeleton:
         for kind, matrix in (("K", K), ("H", loss * K), ("M", M)):
             self.add(kind, places, lever.T @ matrix @ lever)
         motions = (6 * np.array(places)[:, None] + np.arange(6)).ravel()
-        self.bars.append((motions, lever, R, shape, E, L))
+        self.bars.append((motions, lever, R, shape, (E, G), L))
 
     @staticmethod
     def _strains(R: Floats, N: Floats, D: Floats) -> Floats:
@@ -230,13 +235,15 @@ class Skeleton:
         return B
 
     def stresses(self, motions: Floats, steps: int = 2) -> Floats:
-        """Normal stresses at the corners of every bar's section [bar, place, corner]; places are even along bars."""
+        """Von Mises's stress at the corners of every bar's section [bar, place, corner], of stretch, bending and the
+        largest shear of torsion; places are even along bars."""
         found = []
-        for where, lever, R, shape, E, L in self.bars:
+        for where, lever, R, shape, (E, G), L in self.bars:
             N, D = self._shapes(np.linspace(-1, 1, steps))
             strain = self._strains(R, N, D * 2 / L) @ (lever @ motions[where])
             y, z = np.array(shape.corners).T
-            found.append(E * (strain[:, :1] + strain[:, 4:5] * z - strain[:, 5:6] * y))
+            normal = E * (strain[:, :1] + strain[:, 4:5] * z - strain[:, 5:6] * y)
+            found.append(np.sqrt(np.abs(normal) ** 2 + 3 * np.abs(G * shape.arm * strain[:, 3:4]) ** 2))
         return np.array(found)
 
     def spring(

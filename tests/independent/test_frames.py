@@ -35,6 +35,10 @@ def test_a_cantilever_bends_shears_stretches_and_twists() -> None:
     assert _tip(found, tip, 3)[3] == pytest.approx(L / G / BAR.J)
     motions = found.rest(found.load({(tip, 2): 7.0}))
     assert found.stresses(motions)[0, 0].max() == pytest.approx(7 * L * 0.025 / BAR.Iy)  # M z / I
+    twisted = found.stresses(found.rest(found.load({(tip, 3): 7.0})))
+    assert twisted == pytest.approx(
+        sqrt(3) * 7 / 0.2364 / 0.03**2 / 0.05, rel=3e-3
+    )  # three digits of a table, between 1.5 and 2
     held = found.pushes(motions, found.load({(tip, 2): 7.0}))[:6]
     assert held == pytest.approx([0, 0, 7, 0, -7 * L, 0], abs=1e-6)  # rounding of a stiff bar's forces
 
