@@ -82,7 +82,7 @@ def test_sections_of_tables() -> None:
     assert (ipe.Iy, ipe.A) == pytest.approx((strips, 2 * 0.055 * 0.0057 + 0.0041 * 0.0886))
     assert ipe.Iz == pytest.approx(2 * 0.0057 * 0.055**3 / 12 + 0.0886 * 0.0041**3 / 12)
     assert pytest.approx(0.14058e-4, rel=1e-4) == section("rectangle", width=0.1, height=0.1).J  # of a table
-    assert section("tube", outer=1.0, thickness=1e-4).ky == pytest.approx(0.5, rel=1e-6)
+    assert section("tube", outer=1.0, thickness=1e-4).ky == pytest.approx(0.5, rel=1e-6)  # of a thin wall
     box = section("box", width=0.1, height=0.2, thickness=0.002)
     assert pytest.approx(4 * (0.098 * 0.198) ** 2 * 0.002 / (2 * (0.098 + 0.198))) == box.J
 
