@@ -87,8 +87,9 @@ class Case:
     """One model, what is asked of it and the right answer.
 
     asked, right : of a model, so that a shrunk one is judged like the first; an independent answer leaves the door
-    alone, a relation asks it for another model. tolerance : relative to the largest of the right answer; reason : why
-    that much. knobs : dotted paths of the model; numbers below them may be simplified and entries dropped.
+    alone, a relation asks it for another model. tolerance : relative to the largest of the right answer, or with `each`
+    to each number of it; reason : why that much. knobs : dotted paths of the model; numbers below them may be
+    simplified and entries dropped.
     """
 
     model: Model
@@ -97,16 +98,19 @@ class Case:
     tolerance: float
     reason: str
     knobs: tuple[str, ...] = ()
+    each: bool = False
 
 
 @dataclass(frozen=True)
 class Capability:
-    """draw : a case from random numbers. refuses : the program may refuse what is drawn."""
+    """draw : a case from random numbers. refuses : the program may refuse what is drawn. slow : left out of the default
+    tests, which have 20 s for one check of each."""
 
     name: str
     kind: Kind
     draw: Callable[[np.random.Generator], Case]
     refuses: bool = False
+    slow: bool = False
 
     def case(self, seed: int, index: int) -> Case:
         """The case of a seed and an index, whatever was drawn before."""
@@ -117,14 +121,14 @@ _known: dict[str, Capability] = {}
 
 
 def capability(
-    name: str, kind: Kind, refuses: bool = False
+    name: str, kind: Kind, refuses: bool = False, slow: bool = False
 ) -> Callable[[Callable[[np.random.Generator], Case]], Callable[[np.random.Generator], Case]]:
     """Make a function that draws cases known under a name."""
 
     def keep(draw: Callable[[np.random.Generator], Case]) -> Callable[[np.random.Generator], Case]:
         if name in _known and _known[name].draw.__module__ != draw.__module__:
             raise ValueError(f"capability {name!r}: two files have it, expected one name for one thing")
-        _known[name] = Capability(name, kind, draw, refuses)
+        _known[name] = Capability(name, kind, draw, refuses, slow)
         return draw
 
     return keep

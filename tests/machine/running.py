@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import itertools
 import math
+import re
 import signal
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -79,8 +80,10 @@ def judge(name: str, index: int, case: Case, refuses: bool = False, limit: float
     if got.shape != right.shape or not np.all(np.isfinite(right)):
         off = math.inf
     else:
-        scale = case.tolerance * max(float(np.max(np.abs(right), initial=0.0)), np.finfo(float).tiny)
-        off = float(np.max(np.abs(got - right), initial=0.0)) / scale
+        size = np.abs(right) if case.each else np.max(np.abs(right), initial=0.0)
+        off = float(
+            np.max(np.abs(got - right) / (case.tolerance * np.maximum(size, np.finfo(float).tiny)), initial=0.0)
+        )
     verdict: Verdict = "right" if off <= 1.0 else "told" if door.told else "fault"  # nan is not <= 1
     return replace(
         found,
@@ -244,7 +247,7 @@ def write(found: Sequence[Checked], folder: Path) -> list[Path]:
     for one in (each for each in found if each.verdict != "right"):
         head = [f"{one.capability}, index {one.index}: {one.verdict}, {one.off:.4g} tolerances off"]
         head += [f"got   {list(one.got)}", f"right {list(one.right)}", *one.words.splitlines()]
-        path = folder / f"{one.verdict}_{one.capability.replace(' ', '_')}_{one.index}.yaml"
+        path = folder / f"{one.verdict}_{re.sub('[^a-zA-Z0-9]+', '_', one.capability)}_{one.index}.yaml"
         path.write_text("".join(f"# {line}\n" for line in head) + one.model, encoding="utf-8")
         paths.append(path)
     return paths

@@ -85,10 +85,11 @@ def test_frames_by_hand() -> None:
 
 
 def test_a_fixed_seed_finds_nothing() -> None:
-    """One check of each capability."""
-    found = running.run(list(capabilities().values()), seed=1, seconds=120, count=1)
+    """One check of each capability but the slow ones."""
+    chosen = [one for one in capabilities().values() if not one.slow]
+    found = running.run(chosen, seed=1, seconds=120, count=1)
     assert [one for one in found if one.verdict != "right"] == []
-    assert {one.capability for one in found} == set(capabilities())
+    assert {one.capability for one in found} == {one.name for one in chosen}
 
 
 @pytest.mark.stress
