@@ -33,6 +33,8 @@ from femstruct.sparse.solvers import FASTEST, SOLVERS
 Complex = NDArray[np.complex128]
 OFF_THE_AXIS: Final = 0.0137
 """Share by which the shift leaves the middle of the band and the imaginary axis: it must be no eigenvalue."""
+FEW: Final = 600  # motions: a full matrix of twice as many takes three seconds, where iterations do not end
+PATIENCE: Final = 100  # iterations of so few: others end within ten
 SPARE: Final = 6  # eigenvalues beyond those wanted: nearer to the shift than the last wanted one, and of no use
 REACH: Final = (
     0.707  # of the upper end: radius about the shift; modes of the band up to a damping ratio of 0.66 lie inside
@@ -251,13 +253,18 @@ def _near(
     wanted = min(20, 2 * n)
     while True:
         if 2 * n <= wanted + 2 * SPARE:
-            dense = np.column_stack([inverse(column) for column in np.eye(2 * n, dtype=np.complex128)])
-            inverted, pairs = np.linalg.eig(dense)
+            inverted, pairs = _all(inverse, n)
         else:
+            most = PATIENCE if n <= FEW else None
             try:
-                inverted, pairs = eigs(operator, wanted + SPARE, v0=start, ncv=min(2 * n, 2 * wanted + 20))
-            except ArpackNoConvergence as error:
-                raise NotConverged("complex modes", got=f"{len(error.eigenvalues)} of {wanted}") from error
+                inverted, pairs = eigs(
+                    operator, wanted + SPARE, v0=start, ncv=min(2 * n, 2 * wanted + 20), maxiter=most
+                )
+            except ArpackNoConvergence as error:  # rates beta K gather eigenvalues at -1 / beta
+                if n > FEW:
+                    got = f"{len(error.eigenvalues)} of {wanted + SPARE}"
+                    raise NotConverged("complex modes", got=got) from error
+                inverted, pairs = _all(inverse, n)
         found = np.abs(inverted) > 0.0
         values = shift + 1.0 / inverted[found]
         if (np.abs(values - shift) > REACH * top).any() or len(inverted) == 2 * n:
@@ -293,3 +300,10 @@ def _times(matrix: Any, vectors: Complex) -> Complex:
 
 def _complex(values: Any) -> Complex:
     return np.asarray(values, dtype=np.complex128)
+
+
+def _all(inverse: Callable[[Complex], Complex], n: int) -> tuple[Complex, Complex]:
+    """All eigenvalues and vectors of an operator on 2 n, as a full matrix."""
+    full = np.column_stack([inverse(column) for column in np.eye(2 * n, dtype=np.complex128)])
+    inverted, pairs = np.linalg.eig(full)
+    return inverted, pairs

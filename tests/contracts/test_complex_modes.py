@@ -7,6 +7,7 @@ from scipy.sparse import csc_array
 
 from femstruct import (
     Damping,
+    Frame,
     FromMaterials,
     LossFactor,
     Material,
@@ -25,6 +26,7 @@ from femstruct import (
 )
 from femstruct.errors import InputError, InputErrors
 from femstruct.modal.complex_modes import complex_modes
+from femstruct.model.section import i_section
 from femstruct.study.asked import Extent
 from femstruct.workflow.check.asked_modes import complex_modes_of, modes_of
 
@@ -151,3 +153,19 @@ def test_a_free_structure_has_rigid_modes_and_no_rounding_beside_them(tmp_path):
     # half the loss factor; |lambda| is (1 + eta^2 / 8) of the undamped one, 1.25e-5
     np.testing.assert_allclose(table["damping_ratio"][6:], 0.005, rtol=1e-4)
     np.testing.assert_allclose(table["frequency_hz"][6:], real["frequency_hz"][6:], rtol=1e-4)  # as above
+
+
+def test_rates_that_gather_eigenvalues_do_not_stop_it():
+    """An I beam held by beta K at 2 to 60 %: eigenvalues gather at -1 / beta; it ended "not converged: 22 of 20"."""
+    section = i_section("s", 95e-3, 66e-3, 6.6e-3, 4.6e-3)
+    line = ((0.0, 0.0, 0.0), (-0.644, 0.269, -0.28), (-0.377, -0.603, -0.675))
+    soft = Material("soft", E=1.523e10, nu=0.342, rho=4589.0)
+    points = tuple(PlaceOn(name, "f", at=(line[i],)) for name, i in (("root", 0), ("corner", 1)))
+    brake = Spring("c", "corner", None, damping=(4.06, 6.38, 3.87, 0, 0, 0))
+    frame = Frame("f", soft, section, (line,), 0.08, orientation=(0.252, 0.15, -0.676))
+    held = (Support("wall", "clamped", at="root"),)
+    assembly = assemble(mesh_structure(Structure("braked", (frame, brake), points=points, supports=held)))
+    damping = Damping(Rayleigh(alpha=0.1506, beta=1.328e-3))
+    found = complex_modes(assembly, damping, up_to=200.0)
+    expected = dense(assembly, damping, 2 * np.pi * 200.0)
+    assert found.eigenvalues == pytest.approx(expected, rel=1e-7)  # rounding of the dense problem

@@ -11,7 +11,7 @@ import io
 import json
 import tempfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -42,16 +42,25 @@ class Door:
 
     told: list[str] = field(default_factory=list)
 
-    def ask(self, model: Model, command: str, *words: str, **beside: Model) -> dict[str, Any]:
-        """JSON answer of `femstruct COMMAND model.yaml WORDS --json`; beside : further files, by their name."""
+    def ask(
+        self, model: Model, command: str, *words: str, first: Sequence[Sequence[str]] = (), **beside: Model | str
+    ) -> dict[str, Any]:
+        """JSON answer of `femstruct COMMAND model.yaml WORDS --json`.
+
+        beside : further models by their name, and other files as text by name and ending; first : commands before it,
+        such as those that write what the model takes.
+        """
         with tempfile.TemporaryDirectory() as place:
             for name, content in {"model": model, **beside}.items():
-                (Path(place) / f"{name}.yaml").write_text(as_yaml(content), encoding="utf-8")
-            ended = femstruct(command, "model.yaml", *words, "--json", cwd=Path(place))
-        if ended.returncode == 2:
-            raise Refused(ended.stderr.strip())
-        if ended.returncode not in (0, 3):
-            raise Crashed(f"exit {ended.returncode}: {ended.stderr.strip()[-2000:]}")
+                other = isinstance(content, str)
+                text = content if isinstance(content, str) else as_yaml(content)
+                (Path(place) / (name if other else f"{name}.yaml")).write_text(text, encoding="utf-8")
+            for one in (*first, (command, "model.yaml", *words, "--json")):
+                ended = femstruct(*one, cwd=Path(place))
+                if ended.returncode == 2:
+                    raise Refused(ended.stderr.strip())
+                if ended.returncode not in (0, 3):
+                    raise Crashed(f"exit {ended.returncode}: {ended.stderr.strip()[-2000:]}")
         answer: dict[str, Any] = json.loads(ended.stdout)
         severe = [one for one in answer.get("findings", ()) if one.get("severe") or one.get("rank") in _DISTRUST]
         self.told += [f"{one['code']}: {one['message']}" for one in severe]
