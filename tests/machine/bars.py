@@ -166,7 +166,7 @@ def _(rng: np.random.Generator) -> Case:
     return either(rng, draft, "tip", "mid")
 
 
-def _second(rng: np.random.Generator, draft: Draft, start: Floats, end: Floats, **joint: Any) -> Draft:
+def second(rng: np.random.Generator, draft: Draft, start: Floats, end: Floats, **joint: Any) -> Draft:
     """A second frame of its own section and material, joined."""
     draft["sections"]["t"], draft["materials"]["n"] = a_section(rng), a_material(rng)
     lines = [[np.asarray(one).tolist() for one in (start, end)]]
@@ -181,14 +181,14 @@ def _second(rng: np.random.Generator, draft: Draft, start: Floats, end: Floats, 
 def _(rng: np.random.Generator) -> Case:
     draft = a_frame(rng)
     corner = np.array(draft["points"]["corner"]["at"])
-    return either(rng, _second(rng, draft, corner, corner + away(rng)), "end", "tip")
+    return either(rng, second(rng, draft, corner, corner + away(rng)), "end", "tip")
 
 
 @capability("bars: a frame that crosses another", "independent")
 def _(rng: np.random.Generator) -> Case:
     draft = a_frame(rng)
     mid, way = np.array(draft["points"]["mid"]["at"]), away(rng)
-    draft = _second(rng, draft, mid - 0.4 * way, mid + 0.6 * way)
+    draft = second(rng, draft, mid - 0.4 * way, mid + 0.6 * way)
     return either(rng, draft, "end", "tip")
 
 
@@ -196,7 +196,7 @@ def _(rng: np.random.Generator) -> Case:
 def _(rng: np.random.Generator) -> Case:
     draft = a_frame(rng)
     corner = np.array(draft["points"]["corner"]["at"])
-    draft = _second(rng, draft, corner, corner + away(rng), kind="pinned")
+    draft = second(rng, draft, corner, corner + away(rng), kind="pinned")
     draft["supports"]["other"] = {"at": "end", "fix": "clamped"}
     return either(rng, draft, "tip", "corner")
 
@@ -209,7 +209,7 @@ def _(rng: np.random.Generator) -> Case:
     size = m["E"] * s
     chosen = [one for one in SIX if rng.random() < 0.6] or ["rz"]
     stiffness = {one: float(size * (1 if one[0] == "r" else 20) * 10 ** rng.uniform(-1, 1)) for one in chosen}
-    draft = _second(rng, draft, corner, corner + away(rng), stiffness=stiffness)
+    draft = second(rng, draft, corner, corner + away(rng), stiffness=stiffness)
     draft["supports"]["other"] = {"at": "end", "fix": "simple"}
     return either(rng, draft, "tip", "corner")
 
@@ -224,7 +224,7 @@ def _(rng: np.random.Generator) -> Case:
     """To the ground, and between frames that touch where no joint is."""
     draft = a_frame(rng)
     tip = np.array(draft["points"]["tip"]["at"])
-    draft = _second(rng, draft, tip, tip + away(rng))
+    draft = second(rng, draft, tip, tip + away(rng))
     del draft["joints"]
     draft["supports"]["other"] = {"at": "end", "fix": "clamped"}
     size = bending(draft)
