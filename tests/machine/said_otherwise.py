@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tests.independent.frames import Floats
-from tests.machine.bars import second, a_frame, away, bending, push, words
+from tests.machine.bars import a_frame, away, bending, push, second, words
 from tests.machine.framework import Case, Door, Model, capability
 
 Draft = dict[str, Any]
