@@ -40,9 +40,10 @@ def femstruct(*words: str | Path, cwd: Path | None = None) -> Ended:
 
 
 def histories(study: Path) -> dict[str, np.ndarray] | str:
-    """Histories of a study's first case by channel, "t", and shock spectra as "NAME positive"; or why it is refused.
+    """Histories of a study's first case by channel, "t", shock spectra as "NAME positive", frequency responses as
+    "NAME frf"; or why it is refused.
 
-    By the exported names of the package: the command line writes histories to a file alone.
+    By the exported names of the package: the command line writes histories and responses to a file alone.
     """
     try:
         case = next(iter(package.run_study(package.read_study(study)).cases.values()))
@@ -51,4 +52,6 @@ def histories(study: Path) -> dict[str, np.ndarray] | str:
     found = {name: np.array(one.values) for name, one in case.channels.items()}
     for name, one in case.evaluations.get("shock_spectra", {}).items():
         found |= {f"{name} {way}": np.array(getattr(one, way)) for way in ("frequency_hz", "positive", "negative")}
+    found |= {f"{name} frf": np.array(one.values) for name, one in case.frf.items()}
+    found |= {f"{name} frf_hz": np.array(one.frequency_hz) for name, one in case.frf.items()}
     return found | ({"t": np.array(case.response.t)} if case.response else {})

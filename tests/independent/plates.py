@@ -126,6 +126,76 @@ def pressure_in_box(
     return total
 
 
+def motion_with_air_of_box(
+    box: Box, plate: SupportedPlate, corner: Sequence[float], drive: Sequence[float], frequency: Floats, loss: float,
+    up_to_hz: float, most: int = 60, orders: int = 12, hysteretic: bool = False,
+) -> tuple[list[tuple[int, int]], Floats]:  # fmt: skip
+    """Modes (m, n) and their amplitudes [modes, nf] per upward force on a plate in the ceiling, the air pushing back.
+
+    The pressure under the ceiling is the sum of P_ij cos cos over orders, each from its own flow -s sum B q; on a mode
+    it pushes up with B: (D + s sum P_ij B B^T) q = shape at the drive, B being the integral of a mode with a cosine.
+    """
+    modes = plate.modes(up_to_hz)
+    scale = 2 / sqrt(plate.rho * plate.h * plate.a * plate.b)
+    s = 2j * pi * frequency
+    own = [answering(2 * pi * f, 2 * pi * frequency, loss, hysteretic) for f, _, _ in modes]
+    stiff = np.zeros((len(frequency), len(modes), len(modes)), complex)
+    stiff[:, range(len(modes)), range(len(modes))] = np.array(own).T
+    for i in range(orders):
+        along = [sine_on_cosine(m, plate.a, corner[0], i, box.size[0]) for _, m, _ in modes]
+        for j in range(orders):
+            across = [sine_on_cosine(n, plate.b, corner[1], j, box.size[1]) for _, _, n in modes]
+            weights = scale * np.array(along) * np.array(across)
+            under = box.per_flow(s, (i, j), (0.0, 0.0, box.size[2]), box.size[2], most)
+            stiff += (s * under)[:, None, None] * np.outer(weights, weights)
+    driven = np.array([plate.shape(m, n, drive) for _, m, n in modes], complex)
+    amplitudes = np.linalg.solve(stiff, np.broadcast_to(driven[:, None], (len(frequency), len(modes), 1)))[..., 0]
+    return [(m, n) for _, m, n in modes], amplitudes.T
+
+
+def pressure_of_motion(
+    box: Box, plate: SupportedPlate, corner: Sequence[float], shapes: Sequence[tuple[int, int]], amplitudes: Floats,
+    receiver: Sequence[float], frequency: Floats, most: int = 60, orders: int = 12,
+) -> Floats:  # fmt: skip
+    """Pressure of upward amplitudes [modes, nf] of modes (m, n) of a plate in the ceiling."""
+    scale = 2 / sqrt(plate.rho * plate.h * plate.a * plate.b)
+    s = 2j * pi * frequency
+    total = np.zeros(len(frequency), complex)
+    for i in range(orders):
+        along = np.array([sine_on_cosine(m, plate.a, corner[0], i, box.size[0]) for m, _ in shapes])
+        for j in range(orders):
+            across = np.array([sine_on_cosine(n, plate.b, corner[1], j, box.size[1]) for _, n in shapes])
+            flow = -s * scale * ((along * across) @ amplitudes)
+            total = total + flow * box.per_flow(s, (i, j), receiver, box.size[2], most)
+    return total
+
+
+def power_in_the_open(
+    plate: SupportedPlate, drive: Sequence[float], frequency: Floats, loss: float, up_to_hz: float, c: float = 343.0,
+    rho: float = 1.21, points: int = 24, hysteretic: bool = False,
+) -> Floats:  # fmt: skip
+    """Sound power of a plate in a baffle to one side, over the mean square of a force: w rho / (2 pi) times the double
+    integral of v v* sin(k R) / R, by Gauss points."""
+    x, wx = np.polynomial.legendre.leggauss(points)
+    px, py = plate.a * (x + 1) / 2, plate.b * (x + 1) / 2
+    weights = (np.outer(wx, wx) * plate.a * plate.b / 4).ravel()
+    places = np.stack(np.meshgrid(px, py, indexing="ij"), axis=-1).reshape(-1, 2)
+    apart = np.sqrt(((places[:, None] - places[None]) ** 2).sum(axis=-1))
+    scale = 2 / sqrt(plate.rho * plate.h * plate.a * plate.b)
+    shapes = [
+        (f, plate.shape(m, n, drive), scale * np.outer(np.sin(m * pi * px / plate.a), np.sin(n * pi * py / plate.b)))
+        for f, m, n in plate.modes(up_to_hz)
+    ]
+    found = []
+    for hz in frequency:
+        w = 2 * pi * hz
+        v = sum(1j * w * at / answering(2 * pi * f, w, loss, hysteretic) * one for f, at, one in shapes)
+        flow = np.asarray(v).ravel() * weights
+        kernel = w / c * np.sinc(w / c * apart / pi)  # sin(k R) / R
+        found.append(w * rho / (2 * pi) * float((flow.conj() @ kernel @ flow).real))
+    return np.array(found)
+
+
 def pressure_in_the_open(
     plate: SupportedPlate, drive: Sequence[float], place: Sequence[float], frequency: Floats, loss: float,
     up_to_hz: float, c: float = 343.0, rho: float = 1.21, points: int = 48,

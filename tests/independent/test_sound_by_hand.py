@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from tests.independent import levels
-from tests.independent.plates import Box, SupportedPlate, pressure_in_box, pressure_in_the_open, sine_on_cosine
+from tests.independent.plates import (
+    Box,
+    SupportedPlate,
+    motion_with_air_of_box,
+    power_in_the_open,
+    pressure_in_box,
+    pressure_in_the_open,
+    pressure_of_motion,
+    sine_on_cosine,
+)
 
 
 def test_a_weighting_as_printed() -> None:
@@ -79,3 +88,27 @@ def test_a_stiff_plate_over_a_box_and_in_the_open() -> None:
     far = pressure_in_the_open(plate, drive, (0, 0, 30.0), f, 0.0, 6e4)
     # terms of the next order in L / r
     assert abs(far[0]) == pytest.approx(1.21 * (2 * pi) ** 2 * bent / (2 * pi * 30.0), rel=1e-3)
+
+
+def test_air_that_pushes_back_and_power() -> None:
+    """Thin air changes nothing; slow air is a spring of the displaced volume; a slow plate is a source of that flow."""
+    plate, drive, f = SupportedPlate(0.6, 0.5, 5e-3, 70e9, 0.3, 2700.0), (0.2, 0.25), np.array([1.0])
+    thin = Box((0.6, 0.5, 0.4), rho=1e-9)
+    shapes, moved = motion_with_air_of_box(thin, plate, (0, 0), drive, f, 0.02, 6e3)
+    place = (0.1, 0.1, 0.3)
+    alone = pressure_in_box(thin, plate, (0, 0), drive, place, f, 0.02, 6e3)
+    # the air pushes back by 1e-9 of its own
+    assert pressure_of_motion(thin, plate, (0, 0), shapes, moved, place, f) == pytest.approx(alone, rel=1e-6)
+    dense = Box((0.6, 0.5, 0.4), rho=1e3)
+    shapes, moved = motion_with_air_of_box(dense, plate, (0, 0), drive, f, 0.0, 6e3, orders=1)
+    amount = 2 / np.sqrt(plate.rho * plate.h * 0.3) * 0.3 / pi**2
+    volumes = np.array([4 * amount / (m * n) if m % 2 and n % 2 else 0.0 for m, n in shapes])
+    free = np.array([plate.shape(m, n, drive) / (2 * pi * g) ** 2 for g, m, n in plate.modes(6e3)])
+    soft = volumes / np.array([(2 * pi * g) ** 2 for g, _, _ in plate.modes(6e3)])
+    spring = 1e3 * 343**2 / 0.12
+    # a spring in parallel by Sherman and Morrison; inertia at 1 Hz, (1 / 63)^2, and of the air
+    assert (volumes @ moved)[0].real == pytest.approx(volumes @ free / (1 + spring * (volumes @ soft)), rel=1e-3)
+    power = power_in_the_open(plate, drive, f, 0.0, 6e3)[0]
+    flow = 2 * pi * (volumes @ free)
+    # Q^2 w^2 rho / (2 pi c) of a source on a wall; inertia of the plate, twice (1 / 63)^2
+    assert power == pytest.approx(flow**2 * (2 * pi) ** 2 * 1.21 / (2 * pi * 343), rel=1e-3)
