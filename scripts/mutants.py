@@ -11,6 +11,7 @@ run. What survives is listed with its line, to be read: it is equivalent, or a p
 
 import argparse
 import ast
+import difflib
 import os
 import random
 import shutil
@@ -120,6 +121,28 @@ def drawn(count: int, seed: int, subjects: Sequence[str]) -> list[Mutant]:
     return chosen
 
 
+def _checked(tree: Path, options: argparse.Namespace) -> tuple[str, list[str]]:
+    """What the machine says of a tree: "found" or "survived", and its last lines."""
+    command = [sys.executable, "scripts/verify.py", "--until-fault", "--workers", "1", "--limit", "60"]
+    command += ["--seconds", str(options.seconds), "--seed", str(options.checks_seed), "-o", str(tree / "faults")]
+    env = {"PYTHONPATH": f"{tree}:{tree / 'scripts'}", "OMP_NUM_THREADS": "1"}
+    env["FEMSTRUCT_CACHE"] = str(options.output.resolve() / "kernels")  # those that a mutant leaves alone are shared
+    try:
+        ended = subprocess.run(
+            command,
+            cwd=tree,
+            env={**os.environ, **env},
+            capture_output=True,
+            text=True,
+            timeout=options.seconds * 1.5 + 120,
+        )
+    except subprocess.TimeoutExpired:
+        return "found", ["it never ended"]
+    found = [path.read_text(encoding="utf-8") for path in sorted((tree / "faults").glob("*.yaml"))]
+    lines = "\n".join([*found, ended.stdout, ended.stderr]).strip().splitlines()
+    return "survived" if ended.returncode == 0 else "found", lines
+
+
 def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, float]:
     """What becomes of a mutant: "found", "survived", or "does not apply"."""
     from cosmic_ray.mutating import mutate_code
@@ -131,28 +154,15 @@ def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, floa
         for name in ("femstruct", "acoustics", "scripts", "tests", "models", "meshes"):
             shutil.copytree(TOP / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
         changed = copy / mutant.file
-        code = mutate_code(changed.read_text(encoding="utf-8"), get_operator(mutant.operator)(), mutant.occurrence)
+        before = changed.read_text(encoding="utf-8")
+        code = mutate_code(before, get_operator(mutant.operator)(), mutant.occurrence)
         if code is None:
             return mutant, "does not apply", 0.0
         changed.write_text(code, encoding="utf-8")
-        command = [sys.executable, "scripts/verify.py", "--until-fault", "--workers", "1"]
-        command += ["--seconds", str(options.seconds), "--seed", str(options.checks_seed), "-o", str(copy / "faults")]
-        try:
-            ended = subprocess.run(
-                command,
-                cwd=copy,
-                env={**os.environ, "PYTHONPATH": f"{copy}:{copy / 'scripts'}", "OMP_NUM_THREADS": "1"},
-                capture_output=True,
-                text=True,
-                timeout=options.seconds * 1.5 + 60,
-            )
-            word = "survived" if ended.returncode == 0 else "found"
-            lines = (ended.stdout + ended.stderr).strip().splitlines()
-        except subprocess.TimeoutExpired:
-            word, lines = "found", ["it never ended"]
-        options.output.mkdir(parents=True, exist_ok=True)
-        kept = options.output / f"{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
-        kept.write_text("\n".join([str(mutant), word, *lines[-40:]]) + "\n", encoding="utf-8")
+        word, lines = _checked(copy, options)
+    difference = difflib.unified_diff(before.splitlines(), code.splitlines(), lineterm="", n=1)
+    kept = options.output / f"{word}_{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
+    kept.write_text("\n".join([str(mutant), *difference, *lines[:60]]) + "\n", encoding="utf-8")
     return mutant, word, time.monotonic() - began
 
 
@@ -179,6 +189,11 @@ def main() -> int:
     if options.list:
         print("\n".join(map(str, mutants)))
         return 0
+    options.output.mkdir(parents=True, exist_ok=True)
+    word, lines = _checked(TOP, options)
+    if word == "found":
+        print("\n".join(["the unchanged code has a fault with these seeds: mend it first", *lines]), file=sys.stderr)
+        return 2
     counts: Counter[str] = Counter()
     with ThreadPoolExecutor(options.workers) as pool:
         for mutant, word, seconds in pool.map(lambda each: _met(each, options), mutants):
