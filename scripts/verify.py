@@ -9,13 +9,14 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # workers share the cores
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tests.machine import framework, running  # noqa: E402 (threads and the place of the tests come first)
+from tests.machine import coverage, framework, running  # noqa: E402 (threads and the place of the tests come first)
 
 
 def main() -> int:
@@ -28,11 +29,14 @@ def main() -> int:
     ask.add_argument("--count", type=int, help="checks of each capability")
     ask.add_argument("--only", type=int, metavar="INDEX", help="one check of each capability")
     ask.add_argument("--limit", type=float, default=30.0, help="seconds of one check")
+    ask.add_argument("--coverage", action="store_true", help="which keys and answers checks reach, kept if more")
     ask.add_argument("--until-fault", action="store_true", help="end at the first fault")
     ask.add_argument("-o", type=Path, help="folder for models that fail")
     given = ask.parse_args()
     wanted = given.capability or [""]
     chosen = [one for name, one in framework.capabilities().items() if any(part in name for part in wanted)]
+    if given.coverage:
+        return _coverage(chosen, given.seed, given.seconds, given.count or 2)
     if given.only is not None:
         found = [running.check(one, given.seed, given.only, given.limit) for one in chosen]
     else:
@@ -43,6 +47,17 @@ def main() -> int:
         print(f"wrote {path}")
     checked = any(one.verdict not in ("refused", "generator") for one in found)
     return int(not checked or any(one.verdict in running.FAULTS for one in found))
+
+
+def _coverage(chosen: Sequence[framework.Capability], seed: int, seconds: float, count: int) -> int:
+    """The table of keys and answers; exit 1 if the program did not follow where an answer moved."""
+    found = coverage.survey(chosen, seed, seconds, count)
+    coverage.keep(found)
+    print(coverage.table(frozenset(tuple(cell.split(" | ")) for cell in coverage.stored())))  # type: ignore[misc]
+    wrong = [cell for cell in found if not cell.off <= 1]
+    for cell in wrong:
+        print(f"{cell.key} | {cell.column}: {cell.capability}, index {cell.index}, {cell.off:.3g} tolerances off")
+    return int(bool(wrong))
 
 
 if __name__ == "__main__":

@@ -333,8 +333,12 @@ class Skeleton:
         """Complex motions [frequency, motions] under e^{jwt}; ratio : of every mode, in proportion to its mass."""
         T = self.free()
         K, M, C, H = (T.T @ self.matrix(kind) @ T for kind in "KMCH")
+        own, shapes = self.modes()
+        if shapes.shape[1] == T.shape[1] and not C.any() and not H.any():  # modes are not coupled
+            w0, w = 2 * pi * own, 2 * pi * np.asarray(frequency)[:, None]
+            rates = 2 * ratio * w0 + alpha + beta * w0**2
+            return (shapes.T @ F) / (w0**2 * (1 + 1j * loss) - w**2 + 1j * w * rates) @ shapes.T
         if ratio:
-            own, shapes = self.modes()
             lean = self.matrix("M") @ shapes
             C = C + T.T @ (lean * (4 * pi * ratio * own)) @ lean.T @ T
         C, H = C + alpha * M + beta * K, H + loss * K

@@ -15,7 +15,7 @@ from tests.machine.framework import Case, Door, Model, capability
 from tests.machine.skeletons import SIX, read
 
 Draft = dict[str, Any]
-_WAVES = "modes of the mesh are within 2e-4 of the frequency, which moves the flank of a peak by that over its damping"
+_WAVES = "residual vectors keep 1e-3 of the largest; modes of the mesh are within 1e-5, over their damping"
 _FOLD = {"receptance": 0, "mobility": 1, "accelerance": 2}
 
 
@@ -56,7 +56,7 @@ def _lines(draft: Draft, upto: float = 1.5) -> Floats:
 
 
 def frf_case(
-    draft: Draft, drive: str, response: str, *more: str, tolerance: float = 5e-3, reason: str = _WAVES
+    draft: Draft, drive: str, response: str, *more: str, tolerance: float = 1e-3, reason: str = _WAVES
 ) -> Case:
     lines = _lines(draft)
     kind = more[0] if more else "receptance"
@@ -205,7 +205,9 @@ def _(rng: np.random.Generator) -> Case:
         poles = read(model)[0].poles(3, law["alpha"], law["beta"])
         return np.r_[abs(poles) / 2 / pi / upto, -poles.real / abs(poles)]
 
-    return Case(draft, asked, right, 5e-3, "modes of the mesh, and the modes above that are left out move a ratio")
+    return Case(
+        draft, asked, right, 5e-5, "the first modes of the mesh; of the largest, a frequency over the upper end"
+    )
 
 
 def _base(rng: np.random.Generator, kind: str) -> Case:
@@ -229,27 +231,31 @@ def _base(rng: np.random.Generator, kind: str) -> Case:
         found = door.ask(model["study"], "run", "--no-pictures", m=model["m"])
         answers = found["cases"]["as given"]["vibration"]["v"]["answers"]
         word = "rms" if kind == "psd" else "largest"
-        relative = " relative to the base" * (axis == other)  # across it, all motion is
+        relative = " relative to the base" * (
+            model["study"]["vibration"]["v"]["base"] == other
+        )  # across it, all motion is
         keys = (f"{place}.{other} acceleration", f"{place}.{other} displacement{relative}")
         return np.array([answers[key][word] for key in keys]) * [1.0, (2 * pi * first) ** 2]
 
     def right(model: Model, _: Door) -> Floats:
-        lines = np.linspace(*band, 6001)
+        said = model["study"]["vibration"]["v"]
+        along, law = str(said["base"]), np.array(said[kind], float)
+        lines = np.linspace(law[0, 0], law[-1, 0], 3001)
         bones, where = read(model["m"])
-        ride = np.tile([axis == one for one in SIX], len(bones.at)).astype(float)
-        z = shaken(model["m"], bones, lines[::20], -bones.matrix("M") @ ride)[:, 6 * where[place] + SIX.index(other)]
-        return _measured(z, lines[::20], axis == other, (band, level), kind) * [1.0, (2 * pi * first) ** 2]
+        ride = np.tile([along == one for one in SIX], len(bones.at)).astype(float)
+        z = shaken(model["m"], bones, lines, -bones.matrix("M") @ ride)[:, 6 * where[place] + SIX.index(other)]
+        return _measured(z, lines, along == other, law, kind) * [1.0, (2 * pi * first) ** 2]
 
-    why = "modes of the mesh; lines 1/300 of the band apart near a peak of 2 % and more"
-    return Case(draft, asked, right, 1e-2, why)
+    why = "modes of the mesh; lines 1/3000 of the band apart near a peak of 2 % and more"
+    return Case(draft, asked, right, 1e-3, why)
 
 
-def _measured(z: Floats, lines: Floats, along: bool, law: tuple[list[float], list[float]], kind: str) -> Floats:
+def _measured(z: Floats, lines: Floats, along: bool, law: Floats, kind: str) -> Floats:
     """Root mean square, or the largest, of acceleration and displacement per unit acceleration of the base."""
     both = np.array([1.0 * along - (2 * pi * lines) ** 2 * z, z])
     if kind == "harmonic":
-        return np.asarray(np.abs(both * log_log(list(zip(*law, strict=True)))(lines)).max(axis=1))
-    density = np.abs(both) ** 2 * log_log(list(zip(*law, strict=True)))(lines)
+        return np.asarray(np.abs(both * log_log([(float(f), float(a)) for f, a in law])(lines)).max(axis=1))
+    density = np.abs(both) ** 2 * log_log([(float(f), float(a)) for f, a in law])(lines)
     return np.sqrt(np.trapezoid(density, lines, axis=1))
 
 
@@ -282,4 +288,4 @@ def _(rng: np.random.Generator) -> Case:
         moved = shaken(model, bones, lines, bones.load({(where["tip"], SIX.index(axis)): 1.0}))
         return np.array([np.abs(bones.stresses(one)).max() for one in moved]).max(keepdims=True)
 
-    return Case(draft, asked, right, 1e-2, "modes of the mesh, and stresses at the ends of bars")
+    return Case(draft, asked, right, 1e-3, "modes of the mesh, and stresses at the ends of bars")

@@ -6,12 +6,13 @@ import re
 from dataclasses import replace
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.independent.frames import Tube, clamped_frequencies, tip_at_rest
-from tests.machine import running
+from tests.machine import coverage, running
 from tests.machine.framework import Capability, Case, Door, Model, Refused, capabilities
 
 NAME = "frames: tip at rest"
@@ -108,3 +109,35 @@ def test_a_wrong_answer_with_a_finding_that_takes_trust_is_told() -> None:
 
     found = running.judge(NAME, 2, replace(case, asked=coarse))
     assert found.verdict == "told" and "coarse-mesh" in found.words
+
+
+LEAST = 190  # cells; raised when there are more
+
+
+def test_cells_that_checks_reach_only_grow() -> None:
+    kept = coverage.stored()
+    known = {f"{key} | {column}" for key, column in coverage.cells()}
+    assert len(set(kept) & known) >= LEAST
+    fast = [(cell, check) for cell, check in kept.items() if check[0].startswith(("bars: ", "blocks: "))]
+    for cell, check in fast[:: max(1, len(fast) // 8)]:
+        assert _reaches(cell, check), cell
+
+
+@pytest.mark.stress
+def test_every_cell_is_still_reached() -> None:
+    assert [cell for cell, check in coverage.stored().items() if not _reaches(cell, check)] == []
+
+
+def _reaches(cell: str, check: list[Any]) -> bool:
+    key, column = cell.split(" | ")
+    name, seed, index = check
+    found = coverage.reached(capabilities()[name], seed, index, frozenset((key,)))
+    return any(one.column == column and one.off <= 1 for one in found)
+
+
+def test_a_cell_is_reached_only_where_the_program_follows() -> None:
+    """A program that takes no notice of E: the answer has moved, and it is off."""
+    case = capabilities()[NAME].case(1, 0)
+    deaf = Capability(NAME, "independent", lambda _: replace(case, asked=lambda _, door: case.asked(case.model, door)))
+    found = coverage.reached(deaf, 1, 0, frozenset(("materials.E",)))
+    assert [one.off > 10 for one in found] == [True]
