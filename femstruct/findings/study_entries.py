@@ -25,7 +25,9 @@ STUDY: Final = (
         "evaluation-not-converged",
         "A shock response spectrum or a weighted vibration depends on the modes that are left out.",
         LIMITS,
-        "residual vectors change a number of it by more than the threshold, or it is at a frequency beyond the modes",
+        "residual vectors change a number of it by more than the threshold, or it is at a frequency beyond the modes; "
+        "where contacts reach beyond the modes, also what half of the residual vectors change, and twice the threshold "
+        "what all change, in the contact forces too",
         "Do not quote the numbers with '?'. Compute more modes.",
         (Limit(0.05, "% of the number", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
     ),

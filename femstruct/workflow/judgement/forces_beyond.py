@@ -22,11 +22,12 @@ from femstruct.study.recorded import NET_FORCE, Channel
 from femstruct.study.study import Study
 from femstruct.workflow.continuation.bare_plates import infinite
 from femstruct.workflow.continuation.blow_forces import LONGEST_S, on_resistance
-from femstruct.workflow.judgement.impact_findings import shares_beyond
 from femstruct.workflow.judgement.source_findings import after_blow
+from femstruct.workflow.stages.recorded.evaluated import LessStatic
 from femstruct.workflow.stages.recorded.peaks import CONVERGED
 from femstruct.workflow.stages.rest import planned_contacts
 
+Beyond = Mapping[str, tuple[float, float]]  # of contacts that reach beyond the modes, as `shares_beyond` has them
 LONG: Final = 4.0  # closings of the contact that the blow on an infinite plate is looked at
 
 
@@ -50,9 +51,25 @@ class Beside(NamedTuple):
         return abs(self.peak - self.other_peak) / max(self.peak, self.other_peak)
 
 
-def forces_beside(study: Study, response: Response) -> dict[str, Beside]:
+def with_less(study: Study, response: Response, beyond: Beyond) -> tuple[LessStatic, ...]:
+    """The same impact with half of the static share of the modes left out, and with none, where a study evaluates
+    histories and contacts reach beyond the modes: what later blows make of their forces is not seen in the first peak.
+
+    What changes in proportion changes twice as much without it as with its half.
+    """
+    true = np.array([kind != "residual" for kind in response.basis.kind])
+    if true.all() or not beyond or not study.evaluations:
+        return ()
+    found = []
+    for share, way, allowed in ((0.5, "with half of", CONVERGED), (0.0, "where contacts do not feel", 2.0 * CONVERGED)):
+        scales = np.where(true, 1.0, np.sqrt(share))
+        basis = replace(response.basis, shapes=response.basis.shapes * scales)
+        found.append(LessStatic(simulate(basis, response.scene, response.clock), scales, way, allowed))
+    return tuple(found)
+
+
+def forces_beside(study: Study, response: Response, beyond: Beyond) -> dict[str, Beside]:
     """Contacts whose force reaches beyond the modes and is another one by another way, by name."""
-    beyond = shares_beyond(response.basis, response)
     found: dict[str, Beside] = {}
     ends = {planned.name: planned.between for planned in planned_contacts(study)}
     for contact in response.scene.contacts:

@@ -19,8 +19,8 @@ from femstruct.study.recorded import Channel
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.coarse_sampling import missed_peaks, missed_pulses
-from femstruct.workflow.judgement.forces_beyond import force_findings, forces_beside, marked
-from femstruct.workflow.judgement.impact_findings import aliased_findings
+from femstruct.workflow.judgement.forces_beyond import force_findings, forces_beside, marked, with_less
+from femstruct.workflow.judgement.impact_findings import aliased_findings, shares_beyond
 from femstruct.workflow.run.struck import clock_of, findings_of
 from femstruct.workflow.stages.places import Places
 from femstruct.workflow.stages.recorded.channels import motion_rows, record, refuse_absent_forces
@@ -53,10 +53,11 @@ def of_history(
 
     Raises InputError when a record names something that has no such quantity.
     """
-    channels, beyond = record(study, places, response, rooms), forces_beside(study, response)
+    channels, shares = record(study, places, response, rooms), shares_beyond(basis, response)
+    beyond = forces_beside(study, response, shares)
     rows = motion_rows(study, places, basis).items()
     accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
-    evaluations, of_evaluations = evaluated(study, places, response, channels)
+    evaluations, of_evaluations = evaluated(study, places, response, channels, with_less(study, response, shares))
     found = (
         *aliased_findings(response, accelerations),
         *missed_peaks(study, response, channels),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,17 @@ from femstruct.workflow.stages.recorded.channels import motion_rows, moved
 from femstruct.workflow.stages.recorded.peaks import CONVERGED
 
 Answers = Mapping[str, Mapping[str, Any]]  # by kind and name
+ALONE: Final = "without"  # how residual vectors are left out
+
+
+class LessStatic(NamedTuple):
+    """The same impact with less of the residual vectors, also in the force: what is kept of each mode [k], how that is
+    said, and how far numbers may be apart then, as a share."""
+
+    response: Response
+    scales: Floats
+    way: str
+    allowed: float
 
 
 def nothing_evaluated() -> Answers:
@@ -29,49 +40,72 @@ def nothing_evaluated() -> Answers:
 
 
 def evaluated(
-    study: Study, places: Places, response: Response, channels: Mapping[str, Channel]
+    study: Study,
+    places: Places,
+    response: Response,
+    channels: Mapping[str, Channel],
+    beside: Sequence[LessStatic] = (),
 ) -> tuple[Answers, tuple[Finding, ...]]:
     """The answers, and what is to be known of them; every kind is there, with nothing where nothing is asked.
 
     They see the means of the motion about each sample, not its samples (`femstruct.impact.result.averaged`).
+    beside : the same impact with less of the residual vectors, where contacts reach beyond the modes.
     """
     found: dict[str, dict[str, Any]] = {key: {} for key in EVALUATIONS}
     told: list[Finding] = []
     if not study.evaluations:
         return found, ()
     means, sampling = averaged(response), response.clock.sampling
+    others = [(one, averaged(one.response)) for one in beside]
     true = np.array([kind != "residual" for kind in response.basis.kind])
     rows = motion_rows(study, places, response.basis)
     for one in study.evaluations:
         what, row = rows.get(one.channel, ("", None))
         values: Floats = channels[one.channel].values if row is None else moved(means, what, row)
         answer = found.setdefault(one.key(), {})[one.name] = one.answer(values, sampling)
-        if row is not None and not true.all():
-            alone = one.answer(moved(means, what, row * true), sampling)
-            told += _beside_modes_alone(one, answer, alone, response.basis.complete_below_hz)
+        if row is None or true.all():
+            continue
+        alone = _Other(one.answer(moved(means, what, row * true), sampling), ALONE, CONVERGED)
+        less = [
+            _Other(one.answer(moved(other, what, row * kept.scales), sampling), kept.way, kept.allowed)
+            for kept, other in others
+        ]
+        told += _beside(one, answer, [alone, *less], response.basis.complete_below_hz)
     return found, tuple(told)
 
 
-def _beside_modes_alone(one: Evaluation, answer: Any, alone: Any, complete_below_hz: float) -> Iterator[Finding]:
-    """Numbers of an answer of which residual vectors make more than a little, or that are beyond the modes."""
-    pairs = list(zip(one.quoted(answer), one.quoted(alone), strict=True))
-    apart = [
-        (whole, modes)
-        for whole, modes in pairs
-        if _apart(whole, modes) > CONVERGED or max(whole.hz, modes.hz) > complete_below_hz
-    ]
-    if not apart:
+class _Other(NamedTuple):
+    """The same answer by another way, and how far its numbers may be apart."""
+
+    answer: Any
+    way: str
+    allowed: float
+
+
+def _beside(one: Evaluation, answer: Any, others: Sequence[_Other], complete_below_hz: float) -> Iterator[Finding]:
+    """Numbers of an answer that residual vectors change by more than a little, or that are beyond the modes."""
+    numbers = one.quoted(answer)
+    by_ways = [(other, one.quoted(other.answer)) for other in others]
+    worst: list[tuple[float, Quoted, Quoted, _Other]] = []
+    for i, whole in enumerate(numbers):
+        pairs = [(_apart(whole, found[i]) / other.allowed, whole, found[i], other) for other, found in by_ways]
+        most = max(pairs, key=lambda pair: pair[0])
+        if most[0] > 1.0 or max(whole.hz, most[2].hz) > complete_below_hz:
+            worst.append(most)
+    if not worst:
         return
-    whole, modes = max(apart, key=lambda pair: _apart(*pair))
-    factor, unit = readable(whole.unit, max(whole.value, modes.value))
-    others = f". So are {len(apart)} of its {len(pairs)} numbers" if apart[1:] else ""
+    _, whole, told, other = max(worst, key=lambda pair: pair[0])
+    factor, unit = readable(whole.unit, max(whole.value, told.value))
+    more = f". So are {len(worst)} of its {len(numbers)} numbers" if worst[1:] else ""
+    values = {"allowed": other.allowed, "apart": _apart(whole, told)}
+    for _, a, b, which in worst:
+        values |= {a.name: a.value, f"{b.name}, {'modes alone' if which.way == ALONE else which.way}": b.value}
     yield Finding(
         "evaluation-not-converged",
         f"{one.key()}.{one.name}: do not quote its {whole.name}. It is {factor * whole.value:.4g} {unit}, and "
-        f"{factor * modes.value:.4g} {unit} without the residual vectors (the static correction for the modes that are "
-        f"left out), so it may change with the number of modes and with the mesh{others}. Compute more modes",
-        {"allowed": CONVERGED, "apart": _apart(whole, modes)}
-        | {name: number for a, b in apart for name, number in ((a.name, a.value), (f"{a.name}, modes alone", b.value))},
+        f"{factor * told.value:.4g} {unit} {other.way} the residual vectors (the static correction for the modes that "
+        f"are left out), so it may change with the number of modes and with the mesh{more}. Compute more modes",
+        values,
     )
 
 
