@@ -60,7 +60,7 @@ def stacked(fine: ImportedMesh, coarse: ImportedMesh, **more: object) -> Model:
         ("tet10", "tet10", 0.2, 0.0, 1e-10),
         ("hex20", "hex20", 0.0, 0.3, 1e-10),
         ("hex27", "tet10", 0.0, 0.3, 1e-10),
-        ("hex8", "hex8", 0.2, 0.0, 1e-7),  # quotients of polynomials over other quadrilaterals: 5e-9
+        ("hex8", "hex8", 0.2, 0.0, 1e-10),  # and quotients of polynomials over other quadrilaterals
     ],
 )
 def test_constant_stresses_go_across(one: str, other: str, moved: float, shear: float, within: float) -> None:

@@ -7,6 +7,7 @@ from functools import cache
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array, eye_array
 from scipy.spatial import KDTree
 
@@ -15,7 +16,9 @@ from femstruct.model.imported.cell_kinds import KINDS
 
 NEGLIGIBLE: Final = 1e-12  # of a piece over the face it is of, and of a factor: rounding
 SHARE: Final = 0.2  # of the function of a middle, to each of the two corners beside it
-_DEGREE: Final = 6  # of the products of shape functions of quad8 and quad9, where their sides are parallel
+_WHOLE: Final = 1e-6  # of a face: less of it beside the other side is rounding of places
+_IN_LINE: Final = 1e-3  # of the extent of faces: nodes that are less off a line hold nothing about it
+_DEGREE: Final = 10  # of products of shape functions: 6 for parallel sides; of other sides the rest is 1e-12
 _STEPS: Final = 8  # of Newton's method from the middle of a convex quadrilateral, whose error squares each time
 _LINEAR: Final = ((0, 0), (1, 0), (0, 1))
 _POWERS: Final[Mapping[str, tuple[tuple[int, int], ...]]] = {
@@ -83,10 +86,84 @@ def across_faces(first: Faces, second: Faces) -> Crossing:
             added = coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=other.shape)
             other = csr_array(other + csr_array(added))
     scale = np.divide(1.0, belongs, out=np.zeros(n), where=belongs > 0.0)
-    factors = csr_array(_changed(first) @ (diags_array(scale) @ other))
+    factors = csr_array(changed(first) @ (diags_array(scale) @ other))
     factors.data[np.abs(factors.data) < NEGLIGIBLE] = 0.0
     factors.eliminate_zeros()
     return Crossing(factors, area / total)
+
+
+class Means(NamedTuple):
+    """Integrals over the area that two sides share, of the functions of rows times the motion of each side.
+
+    own [r, n], other [r, n'] : of the rows, the first n of which belong to the nodes of the first side, the others to
+    faces that none of these nodes belongs to. areas [r] : of the functions [m^2], zero for rows without any.
+    whole : area of the faces all of which is shared [m^2].
+    """
+
+    own: csr_array
+    other: csr_array
+    areas: Floats
+    whole: float
+
+
+def means_over(first: Faces, second: Faces, counted: NDArray[np.bool_]) -> Means:
+    """Means of the motions of two sides over the area that they share, as `across_faces`, of faces that may reach
+    beyond it.
+
+    counted [n] : nodes of the first side that lie on the second, each of which has a function. Those of a face beside
+    the other side's rim are its shape functions, to which those of its other nodes are added evenly, so that all add to
+    one; a face without such a node has one function, that is 1. Where they lie on one line at most, three functions,
+    linear over all that is shared, hold what could turn about it.
+    """
+    n, faces = len(first.places), sum(len(nodes) for nodes in first.nodes.values())
+    start, whole, size = n, 0.0, n + faces + len(_LINEAR)
+    own, other, areas = csr_array((size, n)), csr_array((size, len(second.places))), np.zeros(size)
+    used = np.unique(np.concatenate([nodes.ravel() for nodes in first.nodes.values()]))
+    low, high = first.places[used].min(axis=0), first.places[used].max(axis=0)
+    in_line = _in_line(first.places[used[counted[used]]] / (high - low))
+    for kind, nodes in first.nodes.items():
+        corners = first.places[nodes[:, : KINDS[kind].corners]]
+        overlaps = [_overlap(kind, corners, against, facing, second.places) for against, facing in second.nodes.items()]
+        functions, inside = _functions(overlaps, corners, counted[nodes])
+        whole += float(np.abs(_areas(corners[inside])).sum())
+        rows = np.column_stack([nodes, start + np.arange(len(nodes))])
+        start += len(nodes)
+        for one in overlaps:
+            plain = one.shapes @ np.linalg.inv(_shares(kind))
+            weighed = np.einsum("tij,tqj,tq->tqi", functions[one.face], one.shapes, one.weights, optimize=True)
+            at = rows[one.face]
+            if in_line:
+                share = (plain @ first.places[nodes[one.face]] - low) / (high - low)
+                linear = np.concatenate([np.ones_like(share[..., :1]), share], axis=2) * one.weights[..., None]
+                weighed = np.concatenate([weighed, linear], axis=2)
+                at = np.hstack([at, np.tile(n + faces + np.arange(len(_LINEAR)), (len(at), 1))])
+            areas += np.bincount(at.ravel(), weighed.sum(axis=1).ravel(), minlength=size)
+            own = own + _scattered(at, nodes[one.face], weighed, plain, own.shape)
+            other = other + _scattered(at, one.against, weighed, one.facing, other.shape)
+    return Means(csr_array(own), csr_array(other), areas, whole)
+
+
+def _in_line(places: Floats) -> bool:
+    """Whether places [n, 2], in shares of an extent, lie on one line."""
+    return len(places) < 3 or float(np.linalg.svd(places - places.mean(axis=0), compute_uv=False)[1]) < _IN_LINE
+
+
+def _functions(overlaps: list[_Overlap], corners: Floats, on: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Functions of the nodes of faces and of the faces themselves [m, k + 1, k], from those that take a share, and
+    which faces are shared all over [m]. on [m, k] : nodes that count."""
+    shared = np.sum([np.bincount(one.face, one.weights.sum(axis=1), minlength=len(on)) for one in overlaps], axis=0)
+    inside = on.all(axis=1) & (shared > (1.0 - _WHOLE) * np.abs(_areas(corners)))
+    dual = _dual(overlaps, len(on), ~inside)[0]
+    spread = ~on / np.maximum(on.sum(axis=1), 1)[:, None]
+    beside = on[:, :, None] * (np.eye(on.shape[1]) + spread[:, None, :])
+    lone = np.broadcast_to(np.where(on.any(axis=1), 0.0, 1.0)[:, None, None], beside[:, :1].shape)
+    return np.concatenate([np.where(inside[:, None, None], dual, beside), lone], axis=1), inside
+
+
+def _scattered(rows: Integers, columns: Integers, weighed: Floats, shapes: Floats, shape: tuple[int, int]) -> csr_array:
+    blocks = np.einsum("tqk,tql->tkl", weighed, shapes)
+    at = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
+    return csr_array(coo_array((blocks.ravel(), (at[0].ravel(), at[1].ravel())), shape=shape))
 
 
 class _Overlap(NamedTuple):
@@ -110,15 +187,16 @@ def _overlap(kind: str, corners: Floats, against: str, facing: Integers, places:
     return _Overlap(face, shapes, weights, _shapes(against, _inside(opposite[other], at)), facing[other])
 
 
-def _dual(overlaps: list[_Overlap], count: int) -> tuple[Floats, Floats]:
-    """Dual functions of each face from its own [m, k, k], and what belongs to each of its nodes [m, k] [m^2]."""
+def _dual(overlaps: list[_Overlap], count: int, without: NDArray[np.bool_] | None = None) -> tuple[Floats, Floats]:
+    """Dual functions of each face from its own [m, k, k], and what belongs to each of its nodes [m, k] [m^2]. without
+    [m] : faces that need none."""
     k = overlaps[0].shapes.shape[-1]
     products, own = np.zeros((count, k, k)), np.zeros((count, k))
     for one in overlaps:
         np.add.at(products, one.face, np.einsum("tqk,tq,tql->tkl", one.shapes, one.weights, one.shapes, optimize=True))
         np.add.at(own, one.face, np.einsum("tq,tqk->tk", one.weights, one.shapes))
     lone = own.sum(axis=1) <= 0.0  # faces with nothing against them
-    products[lone] = np.eye(k)
+    products[lone if without is None else lone | without] = np.eye(k)
     return own[:, :, None] * np.linalg.inv(products), own
 
 
@@ -133,7 +211,7 @@ def _shares(kind: str) -> Floats:
     return found
 
 
-def _changed(side: Faces) -> csr_array:
+def changed(side: Faces) -> csr_array:
     """Motion of the nodes of a side [n, n] from the coefficients of the functions that take a share."""
     whole = eye_array(len(side.places), format="lil")
     for kind, nodes in side.nodes.items():

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array, kron, vstack
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, point_rows
 from femstruct.model.equations.bars_on_cells import bars_on_cells, feet_beside_nodes
+from femstruct.model.equations.unlike_faces import unlike_area
 from femstruct.model.equations.unlike_lines import Line, of_line, unlike_line
 from femstruct.model.fastened import Elastic, Tie
 from femstruct.model.grid.bars_on_plates import contact, turning_rows
@@ -118,6 +119,11 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
             feet = feet_beside_nodes(*both, nodes[i], nodes[1 - i], TOUCH * tolerance)
             if len(feet):
                 return bars_on_cells(item, both, feet, (springy, values), model)
+    if item.reach is None and len(hinged) == 2 and all(part.has_surface for part in hinged):
+        nodes = joined_nodes(item, item.a, model, tolerance), joined_nodes(item, item.b, model, tolerance)
+        area = unlike_area((one, other), nodes, TOUCH * tolerance, model.mesh.points)
+        if area is not None:
+            return _over_area(item, area, (springy, values))
     boxes = [part for part in (one, other) if part.box is not None]
     pairs = box_pairs(item, model, tolerance) if boxes else coincident_pairs(item, model, tolerance)
     one, other = (part.around(nodes) for part, nodes in zip((one, other), pairs.T, strict=True))
@@ -191,6 +197,21 @@ def _along_line(
     return held, Elastic(
         item.name, of_line(line, free), stiffness, np.zeros(stiffness.size), directions, grounded=False
     )
+
+
+def _over_area(item: Joint, area: csr_array, springs: tuple[list[int], Floats]) -> tuple[Tie | None, Elastic | None]:
+    """A joint over an area on which the meshes of two solids do not match: every node of one follows the other."""
+    springy, values = springs
+    count = area.shape[0]
+    held, free = (np.eye(N_COMPONENTS)[some] for some in ([one for one in _SHIFTS if one not in springy], springy))
+    rows = [csr_array(kron(area, components)) for components in (held, free)]
+    directions = [np.tile(components[:, :3], (count, 1)) for components in (held, free)]
+    tie = Tie(item.name, rows[0], directions[0], grounded=False) if len(held) else None
+    if not springy:
+        return tie, None
+    stiffness = np.tile(values, count)
+    nothing = np.zeros(stiffness.size)
+    return tie, Elastic(item.name, rows[1], stiffness, nothing, directions[1], grounded=False)
 
 
 def _together(name: str, ties: list[Tie]) -> Tie:
