@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from math import log10
 from typing import Final
 
 import numpy as np
 
 from acoustics.arrays import Floats, frozen, positive
 from acoustics.errors import AcousticsError
+from acoustics.levels.decibels import decibel
 from acoustics.levels.filters import band_passes
 
 EXPOSURE_BANDS_HZ: Final = (31.5, 63.0, 125.0, 250.0, 500.0)
 LEAST_SAMPLING_HZ: Final = 1600.0  # for the octave at 500 Hz
-_LEAST_EXPOSURE: Final = 1e-30  # N^2 s: the level of nothing is a number
 
 
 def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
     """Impact force exposure level {nominal centre [Hz]: [dB]} in the octaves 31.5 to 500 Hz of a force `force` [nt]
-    [N] sampled every `dt` [s].
+    [N] sampled every `dt` [s]; nan of no force.
 
     Raises AcousticsError: a shape other than [nt], numbers that are not finite, a sampling too low for these octaves.
 
@@ -44,5 +43,5 @@ def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
     passes, found = band_passes(len(force), sampling_hz, 1, thinned=False), {}
     for nominal in EXPOSURE_BANDS_HZ:
         heard = passes[nominal].of(np.fft.rfft(force, passes[nominal].length), 0.0).values
-        found[nominal] = 10 * log10(max(float(heard @ heard) * dt, _LEAST_EXPOSURE))
+        found[nominal] = decibel(float(heard @ heard) * dt)
     return found

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import ceil, inf, log10, nan
+from math import ceil, inf, nan
 from types import MappingProxyType
 from typing import Annotated, Final
 
@@ -16,6 +16,7 @@ import numpy as np
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError, Advice
 from acoustics.levels.bands import Fraction, octave_bands, ringing_time, third_octave_bands
+from acoustics.levels.decibels import decibel, decibels
 from acoustics.levels.filters import band_passes
 from acoustics.levels.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted, weighted_by
 from acoustics.reported import Axis, Reported
@@ -25,7 +26,6 @@ REFERENCE_PA: Final = 20e-6
 _DB: Final = "dB re 20 µPa"
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the third octave")
 _OCTAVE: Final = Axis("octave_hz", "Hz", "Nominal centre of the octave")
-_SILENCE: Final = 1e-30  # Pa^2, -205 dB: the level of nothing is a number
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +41,7 @@ class Levels:
     exposure_db : {nominal centre [Hz]: unweighted sound exposure level in the third octave}.
     findings : advice; reference_pa : p0 [Pa]. complete_below_hz : where the sound ends; bands whose filters
     pass more (`acoustics.levels.ending.filtered`) are nan, single numbers are of the sound below.
+    Levels of silence are nan.
     """
 
     peak_pa: Annotated[float, Reported("Pa", "Largest |pressure|, unweighted")]
@@ -200,7 +201,8 @@ def equivalent_levels(
 
 
 def level_history(p: Floats, dt: float, frequency: FrequencyWeighting = "A", time: TimeWeighting = "F") -> Floats:
-    """Level over time [nt] [dB re 20 uPa] of a history `p` [nt] [Pa] as a meter shows it, L_AF(t) if nothing is said.
+    """Level over time [nt] [dB re 20 uPa] of a history `p` [nt] [Pa] as a meter shows it, L_AF(t) if nothing is said;
+    nan in silence.
 
     >>> import numpy as np
     >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(96000) / 48e3)
@@ -208,11 +210,12 @@ def level_history(p: Floats, dt: float, frequency: FrequencyWeighting = "A", tim
     [92.0, 94.0]
     """
     square = weighted(frozen("p", p, (None,)), positive("dt", dt, "s"), frequency) ** 2
-    return 10 * np.log10(np.maximum(time_weighted(square, dt, time), _SILENCE) / REFERENCE_PA**2)
+    return decibels(time_weighted(square, dt, time) / REFERENCE_PA**2)
 
 
 def level_spectrum(p: Floats, dt: float) -> tuple[Floats, Floats]:
-    """Frequencies [nf] [Hz] and levels [nf] [dB re 20 uPa] of the lines of a history `p` [nt]: the rms of each line.
+    """Frequencies [nf] [Hz] and levels [nf] [dB re 20 uPa] of the lines of a history `p` [nt]: the rms of each line;
+    nan of a line with nothing.
 
     Notes
     -----
@@ -223,8 +226,8 @@ def level_spectrum(p: Floats, dt: float) -> tuple[Floats, Floats]:
     square = np.abs(np.fft.rfft(p) / len(p)) ** 2
     square[1 : (len(p) + 1) // 2] *= 2
     frequency_hz = np.asarray(np.fft.rfftfreq(len(p), dt), dtype=np.float64)
-    return frequency_hz, 10 * np.log10(np.maximum(square, _SILENCE) / REFERENCE_PA**2)
+    return frequency_hz, decibels(square / REFERENCE_PA**2)
 
 
 def _decibel(square: float) -> float:
-    return float(10 * log10(max(square, _SILENCE) / REFERENCE_PA**2))
+    return decibel(square / REFERENCE_PA**2)

@@ -13,6 +13,7 @@ from acoustics.air import Air
 from acoustics.arrays import Floats, frozen, positive
 from acoustics.errors import AcousticsError
 from acoustics.levels.bands import Fraction, band_edges, octave_bands, third_octave_bands
+from acoustics.levels.decibels import decibels
 from acoustics.losses import Losses, t60_of
 from acoustics.statistical.diffuse_radiation import diffuse_radiation
 from acoustics.statistical.infinite_plate import InfinitePlate
@@ -231,5 +232,4 @@ def _centres(bands: Mapping[float, float], fraction: Fraction) -> Floats:
 
 
 def _in_decibels(bands: Mapping[float, object], squares: Floats) -> dict[float, float]:
-    levels = 10 * np.log10(np.maximum(squares, 1e-300) / P0_SQUARED)
-    return dict(zip(bands, levels.tolist(), strict=True))
+    return dict(zip(bands, decibels(squares / P0_SQUARED).tolist(), strict=True))

@@ -26,6 +26,15 @@ LEVELS: Final = (
         "Give 'modes: {up_to: F}' with the stated F. Single numbers are lower bounds ('at least').",
     ),
     Entry(
+        "room-silent",
+        "A room has no levels, because none of its surfaces moves.",
+        LIMITS,
+        "all surfaces together have less than the threshold share of the speed of the structure: what they have are "
+        "rounding errors, of which levels near -185 dB would be made",
+        "Join what moves the room to what is struck, or leave the room out of this case.",
+        (Limit(1e-8, "of the speed of the structure", "160 dB", CHOSEN, "femstruct.sound.surface.STILL"),),
+    ),
+    Entry(
         "band-of-one-room",
         "Low bands of this room and these places are outside what rooms like it have.",
         LIMITS,

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, log10, nan
+from math import inf, isfinite, nan
 from typing import Annotated, Final
 
 import numpy as np
 
 from acoustics.arrays import Complexes
 from acoustics.levels.bands import band_edges, third_octave_bands
+from acoustics.levels.decibels import decibel, decibels
 from acoustics.levels.ending import shown
 from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.receivers import Receiver
@@ -33,7 +34,6 @@ STILL: Final = (
 )
 SEEN: Final = 4096  # samples of which a surface's largest speed is taken
 _BAND: Final = ("band_hz", "Hz", "Nominal centre of the third octave")
-_SILENCE: Final = 1e-30
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ class SurfaceShares:
 def summed_db(levels_db: Floats) -> float:
     """Level of the sum of the energies [dB]; nan where none is known."""
     known = levels_db[~np.isnan(levels_db)]
-    return 10 * log10(max(float((10 ** (known / 10)).sum()), _SILENCE)) if len(known) else nan
+    return decibel(float((10 ** (known / 10)).sum()))
 
 
 def surface_shares(
@@ -135,7 +135,7 @@ def surface_shares(
         heard = [room.room.pressures([[one]], receivers, end_hz)[0] for one in motion]
         spectra = [_spectra(one.p, first.dt, length, lines) for one in heard]
         squares = [(np.abs(one) ** 2).mean(axis=0)[None] for one in (*spectra, sum(spectra))]
-        *each, whole = (_exposure_db(2.0 * step * _by_band(one, lines, bands)[0]) for one in squares)
+        *each, whole = (decibels(2.0 * step * _by_band(one, lines, bands)[0] / REFERENCE_PA**2) for one in squares)
         alone, together = np.where(still[:, None], nan, np.array(each)), whole
     names, walls = [one.name for one in room.surfaces], [*room.walls]
     if len(motion) > len(names):
@@ -187,7 +187,3 @@ def _by_band(density: Floats, lines: Floats, bands: Mapping[float, float]) -> Fl
     until = np.append(lines - half, lines[-1] + half)
     low, high = (np.array([np.interp(edge, until, one) for one in summed]) for edge in edges.T)
     return np.asarray(high - low)
-
-
-def _exposure_db(square: Floats) -> Floats:
-    return 10 * np.log10(np.maximum(square, _SILENCE) / REFERENCE_PA**2)

@@ -24,6 +24,7 @@ Motion = tuple[SurfaceVelocity, ...]  # of all surfaces of a room
 MIN_SHARE_OF_SURFACE = (
     1e-9  # share of the speed of the mode that moves a surface most, below which a mode does not move it
 )
+STILL = 1e-8  # of the structure's speed: modes of parts that are not joined mix up to about 1e-11, and 1e-8 is 160 dB
 STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequencies move by more than 5 %
 
 
@@ -65,15 +66,39 @@ def surface_velocity(response: Response, room: Placed) -> Motion:
 
 
 def surface_velocities(responses: Sequence[Response], room: Placed) -> list[Motion]:
-    """The same of several responses of one basis, in the modes that move any of the surfaces in any of them."""
+    """The same of several responses of one basis, in the modes that move any of the surfaces in any of them.
+
+    Of a response that moves none of them (`at_rest`) the rates are 0: what they have are rounding errors.
+    """
     surfaces, moving = room.shapes(responses[0].basis), moving_modes(responses, room)
     found = []
     for response in responses:
         rates, dt = response.velocities(moving), 1.0 / response.clock.sampling
+        if at_rest(response, room):
+            rates = np.zeros_like(rates)
         found.append(
             tuple(SurfaceVelocity(one.points, one.weights, one.shapes[:, moving], rates, dt) for one in surfaces)
         )
     return found
+
+
+def at_rest(response: Response, room: Placed) -> bool:
+    """Whether a response moves none of a room's surfaces, but for rounding: a part of the structure that nothing joins
+    to what is struck.
+
+    Notes
+    -----
+    No surface has, of all modes together, more than 1e-8 of the largest speed of a mode times the largest shape there,
+    which is no less than 1/sqrt(m) with m the mass of all.
+    """
+    return _still(response.basis, room, response.amplitudes())
+
+
+def _still(basis: ModalBasis, room: Placed, speed: Floats) -> bool:
+    """Whether modes with a speed each [k] move none of a room's surfaces but for rounding."""
+    largest = np.max([np.abs(one.shapes).max(axis=0) for one in room.shapes(basis)], axis=0)
+    shape = max(float(largest.max(initial=0.0)), basis.total_mass**-0.5 if basis.total_mass > 0.0 else 0.0)
+    return float(np.linalg.norm(largest * speed)) <= STILL * shape * float(speed.max(initial=0.0))
 
 
 def moving_modes(responses: Sequence[Response], room: Placed) -> Integers:
@@ -96,9 +121,13 @@ def pressure_per_force(
     basis : in vacuo for one-way coupling; coupled to the room by `with_cavity` for two-way coupling.
     frequency_hz [nf] : above 0 [Hz].
 
+    It is 0 where nothing joins the surfaces to what is driven.
+
     Raises AcousticsError for a receiver outside the room, or a resonance of a room without losses.
     """
     velocity = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
+    if _still(basis, room, np.abs(velocity).max(axis=1, initial=0.0)):
+        velocity = np.zeros_like(velocity)
     moving = [
         SurfaceVibration(one.points, one.weights, one.shapes, velocity, frequency_hz) for one in room.shapes(basis)
     ]

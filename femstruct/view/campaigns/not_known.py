@@ -13,6 +13,8 @@ from femstruct.study.campaign.swept import UNROUNDED, Swept
 
 RATING: Final = " rating"  # ends the name of a room's number
 BLANK: Final = "rating-beyond-modes"  # the finding of rated bands that are blank
+SILENT: Final = "room-silent"
+LEVEL: Final = " L_AFmax"  # ends the name of a receiver's number
 NAMED: Final = 6  # numbers
 
 
@@ -45,5 +47,8 @@ def why_not_known(name: str, codes: Collection[str]) -> str:
     if name == SETTLED:
         return "not at rest when the window, or the time between blows, ends"
     if name.removesuffix(UNROUNDED).endswith(RATING):
-        return "it needs bands that are blank" + (f"; femstruct explain {BLANK}" if BLANK in codes else "")
+        known = [code for code in (BLANK, SILENT) if code in codes]
+        return "it needs bands that are blank" + "".join(f"; femstruct explain {code}" for code in known)
+    if name.endswith(LEVEL) and SILENT in codes:
+        return f"nothing moves the room; femstruct explain {SILENT}"
     return ""

@@ -108,7 +108,8 @@ def thinned(t: Floats, values: Floats, most: int = 1500) -> tuple[Floats, Floats
     whole = len(t) // stretch * stretch
     blocks = values[:whole].reshape(-1, stretch)
     start = np.arange(len(blocks)) * stretch
-    picked = np.sort(np.stack([start + blocks.argmin(axis=1), start + blocks.argmax(axis=1)], axis=1), axis=1).ravel()
+    least, largest = (np.where(np.isnan(blocks), beyond, blocks) for beyond in (np.inf, -np.inf))
+    picked = np.sort(np.stack([start + least.argmin(axis=1), start + largest.argmax(axis=1)], axis=1), axis=1).ravel()
     picked = np.concatenate([picked, np.arange(whole, len(t))])
     return t[picked], values[picked]
 

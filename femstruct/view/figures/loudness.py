@@ -61,9 +61,10 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
                     if one.name == receiver:
                         level = level_history(p, response.dt)
                         x, y = thinned(response.t, level)
-                        label = f"{who}: largest {level.max():.1f} dB"
+                        largest = float(np.fmax.reduce(level))
+                        label = f"{who}: largest {largest:.1f} dB" if np.isfinite(largest) else f"{who}: silent"
                         axes.plot(x, y, **(looks[name] | look), label=label)
-                        loudest = max(loudest, float(level.max()))
+                        loudest = max(loudest, largest) if np.isfinite(largest) else loudest
         finish(axes, "", f"{receiver}: L_AF in dB re 20 µPa")
         legend_above(axes)
     for axes in panes[len(names) :]:
@@ -72,7 +73,8 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
         axes.set_xlabel("time in s")
         axes.tick_params(labelbottom=True)
     panes[0].set_xlim(0.0, max(float(case.rooms[room].t[-1]) for case in cases.values()))
-    panes[0].set_ylim(loudest - SHOWN_DB, loudest + 3.0)
+    if np.isfinite(loudest):
+        panes[0].set_ylim(loudest - SHOWN_DB, loudest + 3.0)
     return figure
 
 

@@ -10,6 +10,7 @@ import scipy
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from acoustics.levels.decibels import decibels
 from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
@@ -89,9 +90,7 @@ def line_level(size: Floats, apart_hz: float) -> Floats:
     >>> float(line_level(np.array([1.0 / np.sqrt(2.0)]), 1.0).round(2)[0])  # 1 Pa
     93.98
     """
-    tiny = float(np.finfo(float).tiny)
-    found: Floats = 20.0 * np.log10(np.maximum(np.sqrt(2.0) * apart_hz * size, tiny) / REFERENCE_PA)
-    return found
+    return decibels((np.sqrt(2.0) * apart_hz * size / REFERENCE_PA) ** 2)
 
 
 def draw_map(

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from acoustics.levels.decibels import decibels
 from acoustics.open_air.directivity import Directivity
 from femstruct.study.result import StudyResult
 from femstruct.view.figures.drawing import COLOURS, case_colours, finish, legend_above, mode_lines, new_figure, panels
@@ -93,8 +94,8 @@ def sound_power(result: StudyResult, name: str) -> Figure:
         below.loglog(
             line.frequency_hz, np.maximum(line.sound.efficiency, LEAST_EFFICIENCY_SHOWN), color=colour, linewidth=1.0
         )
-        least = min(least, float(level.min()))
-        peak = max(peak, float(level.max()), float(_level(line.sound.put_in).max()))
+        least = min(least, float(np.fmin.reduce(level)))
+        peak = max(peak, float(np.fmax.reduce(level)), float(np.fmax.reduce(_level(line.sound.put_in))))
     above.plot([], [], ":", color="0.3", label="input power of the force")
     low, high = request.band
     above.set_xlim(low, high)
@@ -120,7 +121,7 @@ def _plain(axes: Axes) -> None:
 
 
 def _level(power: Any) -> Any:
-    return 10 * np.log10(np.maximum(power, 1e-300) / REFERENCE_W)
+    return decibels(power / REFERENCE_W)
 
 
 def room_directivity(result: StudyResult, room: str) -> Figure | None:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from acoustics.levels.sound_levels import level_spectrum
+from acoustics.levels.sound_levels import Levels, level_spectrum
 from femstruct.arrays import Floats
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.result import Frf, StudyResult
@@ -48,7 +48,11 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
     (above,), (below,) = panels(figure, 2, 1, between=0.15, top=top, left=1.15, sharex=True, height_ratios=(2, 1))
     for cases, line in lines.items():
         look, label = drawn[cases[0]], ", ".join(cases)
-        above.loglog(line.frequency_hz, np.abs(line.values), **look, linewidth=1.1, label=label)
+        size = np.abs(line.values)
+        if size.any():
+            above.loglog(line.frequency_hz, np.where(size > 0.0, size, np.nan), **look, linewidth=1.1, label=label)
+        else:  # nothing joins both ends: 0 has no place on a logarithmic axis
+            above.plot([], [], **look, linewidth=1.1, label=f"{label}: 0")
         below.semilogx(line.frequency_hz, np.degrees(np.angle(line.values)), **look, linewidth=1.0)
     low, high = request.band
     low = low or min(request.step, 0.1 * high)  # 0 Hz has no place on a logarithmic axis
@@ -92,7 +96,7 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
         shown = (frequency >= LOWEST_HZ) & (frequency <= min(top, end))
         x, y = thinned(frequency[shown], level[shown], most=3000)
         above.semilogx(x, y, **(drawn[name] | look), label=f"{name}{after}")
-        peak = max(peak, float(level[shown].max(initial=-np.inf)))
+        peak = max(peak, float(np.fmax.reduce(level[shown], initial=-np.inf)))
     above.set_xlim(LOWEST_HZ, top)
     if np.isfinite(peak):
         above.set_ylim(peak - DYNAMIC_RANGE_DB, peak + 6)
@@ -103,6 +107,11 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     plain_ticks(above)
     _bands(below, result, receiver)
     return figure
+
+
+def _told(level: Levels) -> str:
+    known = np.isfinite(level.l_peak_db)
+    return f"L_peak {level.l_peak_db:.1f} dB, L_AFmax {level.l_afmax_db:.1f} dB" if known else "silent"
 
 
 def _bands(axes: Axes, result: StudyResult, receiver: str) -> None:
@@ -121,15 +130,15 @@ def _bands(axes: Axes, result: StudyResult, receiver: str) -> None:
     for number, (name, row) in enumerate(values.items()):
         x = np.arange(len(centres)) + (number - (len(levels) - 1) / 2) * width
         level = levels[name]
-        label = f"{name}: L_peak {level.l_peak_db:.1f} dB, L_AFmax {level.l_afmax_db:.1f} dB"
+        label = f"{name}: {_told(level)}"
         here = np.isfinite(row)
         axes.bar(x[here], row[here] - floor, width, bottom=floor, color=colours[name], label=label)
         total = result.cases[name].heard.total_levels.get(receiver)
         if total is not None:
             row = np.array([total.bands_db[centre] for centre in centres])[here]
             x = x[here]
-            highest = max(highest, row.max(initial=0.0))
-            label = f"{name}{WITH_OWN}: L_peak {total.l_peak_db:.1f} dB, L_AFmax {total.l_afmax_db:.1f} dB"
+            highest = max(highest, float(np.fmax.reduce(row, initial=0.0)))
+            label = f"{name}{WITH_OWN}: {_told(total)}"
             axes.hlines(row, x - 0.5 * width, x + 0.5 * width, color=OVER_BARS, linewidth=2.0, label=label)
     axes.set_xticks(range(len(centres)), [f"{centre:g}" for centre in centres], fontsize=8)
     axes.set_xlim(-0.6, len(centres) - 0.4)

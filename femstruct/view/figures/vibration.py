@@ -50,10 +50,11 @@ def spectrum(result: StudyResult, channel: str) -> Figure | None:
         shown = (frequency >= low) & (frequency <= top) & (frequency < 0.5 * sampling)  # the last line is half a line
         x, y = thinned(frequency[shown], level[shown], most=3000)
         axes.semilogx(x, y, **drawn[name], linewidth=0.9, label=name)
-        peak = max(peak, float(level[shown].max(initial=-np.inf)))
-        lowest = min(lowest, float(level[shown].min(initial=np.inf)))
+        peak = max(peak, float(np.fmax.reduce(level[shown], initial=-np.inf)))
+        lowest = min(lowest, float(np.fmin.reduce(level[shown], initial=np.inf)))
     axes.set_xlim(low, top)
-    axes.set_ylim(max(lowest - 6, peak - DYNAMIC_RANGE_DB), peak + 6)
+    if np.isfinite(peak):
+        axes.set_ylim(max(lowest - 6, peak - DYNAMIC_RANGE_DB), peak + 6)
     label = mode_lines(axes, modes, low, top)
     finish(axes, label, f"level of lines {spacing:.3g} Hz apart, dB re {reference[1]}")
     legend_above(axes, up=12)

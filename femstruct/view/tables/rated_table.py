@@ -92,7 +92,8 @@ def bands(result: StudyResult) -> Grid:
     rated = [(room, one.method) for case in result.cases.values() for room, one in case.rated.items()]
     kinds = " and ".join(dict.fromkeys(method.bands for _, method in rated))
     blank = any(one.blank_hz for case in result.cases.values() for one in case.rated.values())
-    why = f"; {BLANK}: beyond the modes" if blank else ""
+    silent = any(one.code == "room-silent" for case in result.cases.values() for one in case.findings)
+    why = f"; {BLANK}: beyond the modes{', or silent' * silent}" if blank else ""
     if any(one.statistical_hz for case in result.cases.values() for one in case.rated.values()):
         why += f"; {STATISTICAL}: beyond the modes, from statistical energies (deviation to expect of one floor)"
     if any(one.ensemble for case in result.cases.values() for one in case.rated.values()):
@@ -185,4 +186,4 @@ def _total(case: CaseResult, name: str) -> str:
     if name not in case.heard.total_levels:
         return "-"
     total = case.heard.total_levels[name]
-    return f"{total.l_peak_db:.1f} / {total.l_afmax_db:.1f}"
+    return f"{_number(total.l_peak_db)} / {_number(total.l_afmax_db)}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
-from math import inf, isfinite, isnan
+from math import inf, isfinite, isnan, nan
 
 from rich.console import Console
 
@@ -198,7 +198,8 @@ def _levels(result: StudyResult) -> Grid:
 
 
 def _level(case: CaseResult, name: str, what: str) -> str:
-    return f"{getattr(case.levels[name], what):.1f}" if name in case.levels else "-"
+    value = getattr(case.levels[name], what) if name in case.levels else nan
+    return f"{value:.1f}" if isfinite(value) else "-"
 
 
 def _modes_db(result: StudyResult) -> Grid:

@@ -16,6 +16,7 @@ NEAR = 0.02  # a spectral peak belongs to a mode within 2 % of its frequency
 FINENESS = 0.2  # Hz between spectral lines at most, so that 2 % of the lowest modes holds some, ...
 PADDING = 100  # ... but no more lines than that many times the record's own: two in 2 % of the lowest mode it shows
 RESOLVED: Final = 0.25  # of the lower of two samplings: above it, what is folded differs between them
+STILL: Final = 1e-9  # of the other case: 180 dB less, or more, is rounding of what does not move
 _ROUNDING: Final = 1e-9  # of a count of samples
 
 
@@ -44,8 +45,9 @@ def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str, sp
 
     A mode is listed when the baseline's spectrum has a local maximum within 2 % of its frequency; a net force, which
     has no peaks at modes, is compared at the frequency of every mode. A record shorter than one period of a mode does
-    not show it, nor does a room above its own modes. The spectrum is that of the whole record, not windowed; of
-    repeated blows it is a comb of their interval, and no mode is listed.
+    not show it, nor does a room above its own modes, nor what moves with rounding errors alone in either case. The
+    spectrum is that of the whole record, not windowed; of repeated blows it is a comb of their interval, and no mode is
+    listed.
 
     Notes
     -----
@@ -75,7 +77,7 @@ def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str, sp
             for mode, line in found.items()
             if line * step <= RESOLVED * min(samplings)
         }
-    return {mode: float(20.0 * np.log10(a / b)) for mode, (a, b) in pairs.items() if a > 0.0 and b > 0.0}
+    return {mode: float(20.0 * np.log10(a / b)) for mode, (a, b) in pairs.items() if min(a, b) > STILL * max(a, b)}
 
 
 def _lines(

@@ -16,6 +16,7 @@ import numpy as np
 from acoustics.arrays import Complexes
 from acoustics.fields.sound_field import SoundField
 from acoustics.levels.bands import octave_bands, third_octave_bands
+from acoustics.levels.decibels import decibels
 from acoustics.levels.ending import filtered
 from acoustics.levels.ensemble import Ensemble
 from acoustics.levels.iso import energy_average
@@ -28,6 +29,7 @@ from femstruct.impact.result.response import Response
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.coupled_damping.oscillator_set import Oscillators
+from femstruct.sound.surface import at_rest
 from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Study
@@ -74,7 +76,8 @@ def room_ensembles(drops: Drops, places: Places, basis: ModalBasis) -> dict[str,
         if method is None or plan.ensemble == 0 or plan.why_no_ensemble:
             continue
         bands = low_bands(plan, method, basis.complete_below_hz)
-        if bands:
+        placed = placed_room(plan, places.surfaces)
+        if bands and not all(at_rest(one, placed) for one in drops.responses.values()):
             found[plan.name] = _ensemble(plan, method, bands, drops, places, basis)
     return found
 
@@ -215,6 +218,6 @@ def _member(
             squares = largest_fast(flat, s, bands, method.fraction).reshape(*spectra.shape[:2], -1)
         else:
             squares = exposures(flat, s, bands, method.fraction).reshape(*spectra.shape[:2], -1) / every
-        levels = 10 * np.log10(np.maximum(squares.mean(axis=1), 1e-300) / REFERENCE_SQUARED)
+        levels = decibels(squares.mean(axis=1) / REFERENCE_SQUARED)
         places.append(energy_average(levels, axis=0))
     return method.average(np.array(places))

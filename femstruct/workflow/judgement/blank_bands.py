@@ -76,6 +76,15 @@ def _cell(plan: RoomPlan, study: Study, up_to_hz: float) -> float | None:
     return None if part is None else cell_for(part, up_to_hz)
 
 
+def room_silent() -> Finding:
+    """A room whose surfaces do not move: it has no levels."""
+    return Finding(
+        "room-silent",
+        "none of its surfaces moves: its levels are blank, and its pressures are 0. Join what moves it to what is "
+        "struck, or leave the room out",
+    )
+
+
 def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
     """Nominal centres [Hz] of the bands of a method whose filters pass what lies above a frequency."""
     centres = octave_bands(_FAST_HZ) if method.fraction == 1 else third_octave_bands(_FAST_HZ)

@@ -27,6 +27,7 @@ from femstruct.study.machine import Verdict
 from femstruct.study.result import Drop, OwnSound
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Study
+from femstruct.workflow.judgement.blank_bands import room_silent
 from femstruct.workflow.judgement.impact_findings import impact_findings, room_findings, sampled_findings
 from femstruct.workflow.judgement.source_findings import source_findings, walking_findings
 from femstruct.workflow.run.needed_kernels import units_of
@@ -153,6 +154,7 @@ def findings_of(
         (name, advice) for name, one in rooms.items() for advice in one.findings
     ]
     told += [(name, advice) for name, levels in heard.items() for advice in levels.findings]
+    told += [(name, room_silent()) for name, one in rooms.items() if not one.p.any()]
     found = (
         *sampled_findings(study, response),
         *impact_findings(vacuo, response),

@@ -10,6 +10,7 @@ import numpy as np
 
 from acoustics.errors import Advice
 from acoustics.levels.bands import band_edges, octave_bands, third_octave_bands
+from acoustics.levels.decibels import decibel
 from acoustics.levels.ending import shown
 from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.levels.weighting import frequency_weighting
@@ -39,7 +40,6 @@ OPEN_DB: Final = 1.0  # of power that the missing phase leaves open and that is 
 PLACES: Final = 200  # along frequency, where the reverberation times of rooms are looked at
 _HALF_T60: Final = 3.0 * np.log(10.0) / (2.0 * np.pi)  # half the half-power bandwidth of a mode, times T60
 _ALL_HZ: Final = 1e6  # a sampling that has all bands
-_SILENCE: Final = 1e-30
 
 Told = list[tuple[str, Advice | Finding]]
 
@@ -213,14 +213,14 @@ def _levels(plan: RoomPlan, p: Complex, driven: _Driven, bands: _Bands, basis: M
     complete = [shown(bands.exact[i], end, driven.source.fraction) for i in driven.known]
     by_band = _by_band(bands, driven.known, np.where(complete, driven.integrated(squares), nan), REFERENCE_PA**2)
     total = float(driven.integrated(squares * weighted)[complete].sum())
-    return SourceLevels(by_band, 10.0 * float(np.log10(max(total, _SILENCE) / REFERENCE_PA**2)))
+    return SourceLevels(by_band, decibel(total / REFERENCE_PA**2))
 
 
 def _by_band(bands: _Bands, known: Sequence[int], values: Floats, reference: float) -> dict[float, float]:
     """Levels by band, nan of those that are not known."""
     found = dict.fromkeys(bands.nominal, nan)
     for i, value in zip(known, values.tolist(), strict=True):
-        found[bands.nominal[i]] = 10.0 * float(np.log10(max(value, _SILENCE) / reference)) if value == value else nan
+        found[bands.nominal[i]] = decibel(value / reference)
     return found
 
 
