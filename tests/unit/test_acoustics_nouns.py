@@ -195,7 +195,7 @@ def test_what_sampling_misses_is_read_from_the_measured_table(samples, missed_db
 def test_a_still_surface_is_silent():
     heard = pressure(surface(rates=np.zeros(200)), BOX, [MIC])
     assert not heard.p.any()
-    assert sound_levels(heard.p[0], heard.dt).l_peak_db < -100
+    assert np.isnan(sound_levels(heard.p[0], heard.dt).l_peak_db)  # the level of nothing is no number
 
 
 def test_bands_end_where_the_sampling_does():
