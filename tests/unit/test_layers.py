@@ -99,6 +99,7 @@ ACOUSTICS = [
     [
         "acoustics.levels.bands",
         "acoustics.levels.ending",
+        "acoustics.levels.decibels",
         "acoustics.levels.filters",
         "acoustics.levels.weighting",
         "acoustics.levels.sound_levels",
