@@ -61,6 +61,8 @@ class Door:
                     raise Refused(ended.stderr.strip())
                 if ended.returncode not in (0, 3):
                     raise Crashed(f"exit {ended.returncode}: {ended.stderr.strip()[-2000:]}")
+        if ended.returncode == 3 and not ended.stdout:  # not converged, and says so
+            raise Refused(ended.stderr.strip())
         answer: dict[str, Any] = json.loads(ended.stdout)
         severe = [one for one in answer.get("findings", ()) if one.get("severe") or one.get("rank") in _DISTRUST]
         self.told += [f"{one['code']}: {one['message']}" for one in severe]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.independent.frames import Floats, Skeleton, section
+from tests.independent.frames import Floats, Section, Skeleton, section
 from tests.machine.framework import Model
 
 SIX = ("x", "y", "z", "rx", "ry", "rz")
@@ -71,6 +71,10 @@ def _cuts(model: Model, frames: Mapping[str, Any]) -> dict[str, list[Floats]]:
     return found
 
 
+def _section(said: Mapping[str, Any]) -> Section:
+    return section(**said) if "shape" in said else Section(**said)
+
+
 def _segments(part: Mapping[str, Any]) -> list[tuple[Floats, Floats]]:
     return [tuple(np.array(pair, float)) for line in part["lines"] for pair in pairwise(line)]  # type: ignore[misc]
 
@@ -91,7 +95,7 @@ def _meeting(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats | None:
 
 
 def _bars(bones: Skeleton, name: str, part: Mapping[str, Any], cuts: Sequence[Floats], model: Model) -> list[int]:
-    material, shape = model["materials"][part["material"]], section(**model["sections"][part["section"]])
+    material, shape = model["materials"][part["material"]], _section(model["sections"][part["section"]])
     offsets = part.get("offsets", {})
     first, last = (np.array(offsets.get(end, np.zeros(3)), float) for end in ("start", "end"))
     extra = sum(

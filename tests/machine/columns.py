@@ -1,0 +1,250 @@
+"""One structure, any of its answers: modes, losses, at rest, frequency response, on a shaken base.
+
+A subject of a capability draws a model and gives its independent form; which answer is asked is drawn as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import Any, Final
+
+import numpy as np
+
+from tests.independent.linear import Floats, Law, Linear
+from tests.independent.vibration import log_log
+from tests.machine.framework import Case, Door, Model
+
+Draft = dict[str, Any]
+ANSWERS: Final = ("modes", "losses", "statics", "frf", "vibration")
+_LAWS: Final = ("ratio", "loss_factor", "rayleigh")
+_COUNT: Final = 3
+_FOLD: Final = {"receptance": 0, "mobility": 1, "accelerance": 2}
+Ask = Callable[[Model], Floats]
+
+
+def as_it_is(model: Model, ask: Ask) -> Floats:
+    """The answer on the mesh that is drawn."""
+    return ask(model)
+
+
+@dataclass(frozen=True)
+class Subject:
+    """draft : a model; form : its independent form; drives, seen : ways such as "q.z"; refine : how an answer is taken
+    from meshes; accuracy : of natural frequencies and of answers at rest, relative; aside : findings that do not count.
+    """
+
+    draft: Draft
+    form: Callable[[Model], Linear]
+    drives: Sequence[str]
+    seen: Sequence[str]
+    accuracy: float
+    reason: str
+    refine: Callable[[Model, Ask], Floats] = as_it_is
+    aside: tuple[str, ...] = ()
+    knobs: tuple[str, ...] = ()
+    answers: tuple[str, ...] = ANSWERS
+
+    def clear(self, door: Door) -> None:
+        door.told[:] = [one for one in door.told if not one.startswith(self.aside)] if self.aside else door.told
+
+
+def case_of(rng: np.random.Generator, one: Subject) -> Case:
+    """An answer of the subject, by lot."""
+    return _MAKES[str(rng.choice(one.answers))](rng, one)
+
+
+def way(words: str) -> tuple[str, str]:
+    place, direction = words.rsplit(".", 1)
+    return place, direction
+
+
+def law_of(model: Model) -> Law:
+    said = model["damping"]
+    rayleigh = said.get("rayleigh", {})
+    return Law(
+        said.get("ratio", 0.0),
+        said.get("loss_factor", 0.0),
+        rayleigh.get("alpha", 0.0),
+        rayleigh.get("beta", 0.0),
+        said.get("from") == "materials",
+    )
+
+
+def _first(one: Subject) -> float:
+    return float(one.form(one.draft).modes(1)[0][0])
+
+
+def _damped(rng: np.random.Generator, one: Subject, least: float = 0.03) -> None:
+    """3 to 8 % at the first mode, by a law drawn; or by losses where the model states some."""
+    if one.draft.get("damping") == {"from": "materials"}:
+        return
+    first, size, law = 2 * pi * _first(one), float(rng.uniform(least, 0.08)), str(rng.choice(_LAWS))
+    one.draft["damping"] = {
+        "ratio": {"ratio": size},
+        "loss_factor": {"loss_factor": 2 * size},
+        "rayleigh": {"rayleigh": {"alpha": size * first, "beta": size / first}},
+    }[law]
+
+
+def _modes(rng: np.random.Generator, one: Subject) -> Case:
+    def asked(model: Model, door: Door) -> Floats:
+        def ask(finer: Model) -> Floats:
+            found = door.modes(finer, _COUNT)
+            return found[found > 1e-3]
+
+        answer = one.refine(model, ask)
+        one.clear(door)
+        return answer
+
+    def right(model: Model, _: Door) -> Floats:
+        return one.form(model).modes(_COUNT)[0]
+
+    return Case(one.draft, asked, right, one.accuracy, one.reason, one.knobs, each=True)
+
+
+def _losses(rng: np.random.Generator, one: Subject) -> Case:
+    """Loss factors by energies; with dashpots, ratios of complex modes."""
+    form = one.form(one.draft)
+    if form.C.any():
+        return _poles(one)
+    if one.draft.get("damping") != {"from": "materials"}:
+        return _modes(rng, one)
+
+    def asked(model: Model, door: Door) -> Floats:
+        def ask(finer: Model) -> Floats:
+            found = door.ask(finer, "modes", "--count", str(_COUNT))
+            return 2 * np.array(found["damping_ratio"])[np.array(found["frequency_hz"]) > 1e-3]
+
+        answer = one.refine(model, ask)
+        one.clear(door)
+        return answer
+
+    def right(model: Model, _: Door) -> Floats:
+        return one.form(model).losses(_COUNT)
+
+    return Case(one.draft, asked, right, 2 * one.accuracy, one.reason + "; shares of energy", one.knobs, each=True)
+
+
+def _poles(one: Subject) -> Case:
+    first = 2 * pi * _first(one)
+    one.draft["damping"] = {"rayleigh": {"alpha": 0.02 * first, "beta": 0.01 / first}}
+    upto = 1.3 * float(one.form(one.draft).modes(4)[0][-1])
+
+    def asked(model: Model, door: Door) -> Floats:
+        def ask(finer: Model) -> Floats:
+            found = door.ask(finer, "modes", "--complex", "--up-to", f"{upto} Hz")
+            return np.r_[np.array(found["frequency_hz"])[:_COUNT] / upto, found["damping_ratio"][:_COUNT]]
+
+        answer = one.refine(model, ask)
+        one.clear(door)
+        return answer
+
+    def right(model: Model, _: Door) -> Floats:
+        poles = one.form(model).poles(_COUNT, law_of(model))
+        return np.r_[abs(poles) / 2 / pi / upto, -poles.real / abs(poles)]
+
+    return Case(one.draft, asked, right, one.accuracy, one.reason, one.knobs)
+
+
+def _statics(rng: np.random.Generator, one: Subject) -> Case:
+    """Under forces, weight, or both."""
+    kind = rng.integers(3)
+    if not one.drives:
+        kind = 1
+    forces = {words: float(f"{rng.normal() * 100:.3g}") for words in one.drives} if kind != 1 else {}
+
+    def asked(model: Model, door: Door) -> Floats:
+        def ask(finer: Model) -> Floats:
+            words = [f"{words}={size} N" for words, size in forces.items()]
+            found = door.statics(finer, *words, weight=kind > 0)["points"]
+            axes = ("x", "y", "z", "rx", "ry", "rz")
+            return np.array([found[place][axes.index(direction)] for place, direction in map(way, one.seen)])
+
+        answer = one.refine(model, ask)
+        one.clear(door)
+        return answer
+
+    def right(model: Model, _: Door) -> Floats:
+        form = one.form(model)
+        found = form.rest(form.load({way(words): size for words, size in forces.items()}, bool(kind > 0)))
+        return np.array([form.rows[way(words)] @ found for words in one.seen])
+
+    return Case(one.draft, asked, right, one.accuracy, one.reason, one.knobs)
+
+
+def _frf(rng: np.random.Generator, one: Subject) -> Case:
+    """The largest response to a force, over its first mode."""
+    if not one.drives:
+        return _vibration(rng, one)
+    _damped(rng, one)
+    step = float(f"{_first(one) / 40:.3g}")
+    lines = step * np.arange(20, 60)
+    drive, response, kind = str(rng.choice(one.drives)), str(rng.choice(one.seen)), str(rng.choice(list(_FOLD)))
+    directly = ["--method", "direct"] if "from" in one.draft["damping"] else []
+
+    def asked(model: Model, door: Door) -> Floats:
+        def ask(finer: Model) -> Floats:
+            found = door.ask(finer, "frf", "--drive", drive, "--response", response, "--band",
+                             f"{lines[0]} Hz:{lines[-1]} Hz", "--step", f"{step}", "--kind", kind, *directly)  # fmt: skip
+            return np.array([np.hypot(found["real"], found["imag"]).max()])
+
+        answer = one.refine(model, ask)
+        one.clear(door)
+        return answer
+
+    def right(model: Model, _: Door) -> Floats:
+        form = one.form(model)
+        moved = form.shaken(lines, form.load({way(drive): 1.0}), law_of(model)) @ form.rows[way(response)]
+        return np.array([np.abs(moved * (2 * pi * lines) ** _FOLD[kind]).max()])
+
+    why = one.reason + "; a peak over 3 % and more of damping, on lines 1/40 of the first mode apart"
+    return Case(one.draft, asked, right, 2 * one.accuracy, why, one.knobs)
+
+
+def _vibration(rng: np.random.Generator, one: Subject) -> Case:
+    """Acceleration and relative displacement of a place, its base shaken along an axis, over the first mode."""
+    _damped(rng, one)
+    kind, first = str(rng.choice(["psd", "harmonic"])), _first(one)
+    words = str(rng.choice(one.seen))
+    along = way(words)[1]
+    band = [float(f"{first * share:.4g}") for share in (0.5, 1.5)]
+    level = [0.5, 1.3] if kind == "psd" else [0.8, 0.5]
+    study = {
+        "model": "m.yaml", "modes": {"up_to": f"{30 * first:.5g} Hz"},
+        "vibration": {"v": {"base": along, kind: [[f, a] for f, a in zip(band, level, strict=True)]}},
+        "record": {words: ["acceleration", "displacement"]},
+    }  # fmt: skip
+
+    def asked(model: Model, door: Door) -> Floats:
+        def ask(finer: Model) -> Floats:
+            found = door.ask(model["study"], "run", "--no-pictures", m=finer)
+            answers = found["cases"]["as given"]["vibration"]["v"]["answers"]
+            word = "rms" if kind == "psd" else "largest"
+            keys = (f"{words} acceleration", f"{words} displacement relative to the base")
+            return np.array([answers[key][word] for key in keys]) * [1.0, (2 * pi * first) ** 2]
+
+        answer = one.refine(model["m"], ask)
+        one.clear(door)
+        return answer
+
+    def right(model: Model, _: Door) -> Floats:
+        said, form = model["study"]["vibration"]["v"], one.form(model["m"])
+        table = np.array(said[kind], float)
+        lines = np.linspace(table[0, 0], table[-1, 0], 601)
+        axis = "xyz".index(str(said["base"]))
+        z = form.shaken(lines, -form.rides[axis], law_of(model["m"])) @ form.rows[way(words)]
+        both = np.array([1.0 - (2 * pi * lines) ** 2 * z, z])
+        driven = log_log([(float(f), float(a)) for f, a in table])(lines)
+        if kind == "harmonic":
+            found = np.abs(both * driven).max(axis=1)
+        else:
+            found = np.sqrt(np.trapezoid(np.abs(both) ** 2 * driven, lines, axis=1))
+        return np.asarray(found * [1.0, (2 * pi * first) ** 2])
+
+    why = one.reason + "; lines 1/600 of the band apart near a peak of 3 % and more"
+    return Case({"study": study, "m": one.draft}, asked, right, 2 * one.accuracy, why)
+
+
+_MAKES: Final = {"modes": _modes, "losses": _losses, "statics": _statics, "frf": _frf, "vibration": _vibration}
