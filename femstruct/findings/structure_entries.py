@@ -248,7 +248,8 @@ STRUCTURE: Final = (
         "A joint leaves nodes free that lie on the other part: it is open there.",
         FORBIDS,
         "nodes of a part lie on cells of the part that it is joined to, which has no node at their place, and parts of "
-        "these kinds are not joined between nodes, as solids are not",
+        "these kinds are not joined between nodes, as shells and frames on solids are not; the length or area of the "
+        "edges, bars or cells with such nodes is said, and the whole of what touches",
         "Give both parts the same nodes where they touch, or write a seam.",
     ),
     Entry(

@@ -231,6 +231,41 @@ def findings_of(model: Model) -> dict[str, bool]:
     return {one.code: one.severe for one in joint_open_findings(model)}
 
 
+def told(model: Model) -> dict[str, float]:
+    (one,) = joint_open_findings(model)
+    assert one.code == "joint-open" and one.severe
+    return dict(one.values)
+
+
+def test_what_finds_no_partner_is_said_with_its_length_or_area() -> None:
+    """On a cube of 2 x 2 cells: a sheet on edge and one that lies on it, half of it beyond, and a bar; an edge or a
+    cell with one free node is open. By hand: 1 m, 1 m^2 and 1 m; with nodes on those of the cube nothing."""
+    cube = fs.Solid("cube", block(0.0, 2), CONCRETE)
+
+    def on_cube(cells: int, long: float, lying: bool) -> Model:
+        flat = sheet(0.0, 1, cells)
+        x, y, _ = flat.points.T
+        one = np.ones_like(x)
+        places = np.stack([y * long, x, one] if lying else [one, y * long, 1.0 + x], axis=1)
+        mesh = ImportedMesh("sheet.msh", places, flat.numbers, flat.cells, flat.cell_numbers, {})
+        parts = cube, fs.Shell("sheet", mesh, WOOD, 0.02)
+        joint = fs.Joint("j", "sheet", "cube", kind="pinned" if lying else "rigid")
+        return fs.mesh_structure(fs.Structure("s", parts, (joint,)))
+
+    found = told(on_cube(5, 1.0, lying=False))
+    assert (found["free"], found["touching"]) == (4, 6)
+    assert (found["open_m"], found["touching_m"]) == pytest.approx((1.0, 1.0), rel=1e-9)  # rounding
+    for cells, long in ((2, 1.0), (4, 2.0), (3, 1.5)):
+        assert joint_open_findings(on_cube(cells, long, lying=False)) == ()
+    found = {one.message.split()[-1]: dict(one.values) for one in joint_open_findings(on_cube(3, 2.0, lying=True))}
+    for values in found.values():
+        assert (values["open_m2"], values["touching_m2"]) == pytest.approx((1.0, 1.0), rel=1e-9)  # rounding
+    bar = fs.Frame("bar", WOOD, rectangle("b", 0.06, 0.1), (((0.0, 0.5, 1.0), (1.5, 0.5, 1.0)),), mesh=0.25)
+    joint = fs.Joint("j", "bar", "cube", kind="pinned")
+    found = told(fs.mesh_structure(fs.Structure("s", (cube, bar), (joint,))))
+    assert (found["open_m"], found["touching_m"]) == pytest.approx((1.0, 1.0), rel=1e-9)  # rounding
+
+
 def test_what_a_joint_leaves_open_or_bridges_is_a_finding() -> None:
     """A rib on rigid arms to nodes beside it limits trust; solids of 2 against 3 cells are joined."""
     one, other, same = (block(x0, n) for x0, n in ((0.0, 2), (1.0, 3), (1.0, 2)))

@@ -6,6 +6,8 @@ neighbouring nodes are joined, as along an edge or over a face, a finer mesh has
 
 from __future__ import annotations
 
+from typing import Final, NamedTuple
+
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
@@ -13,12 +15,14 @@ from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import Finding
 from femstruct.model.anchors import places_of
 from femstruct.model.grid.joined_nodes import coincident_pairs, joined_nodes
+from femstruct.model.imported.flat_cells import area_vectors
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 from femstruct.model.structure import Joint
 from femstruct.parts.spring import Spring
 
 _TOUCHING = 4e-6  # of the size of the structure: places of two parts that are nearer are one, as in joints
+_PLACES: Final = 8  # along a side of a cell, to see how much of it lies on another part
 FAR = 0.2  # of the size of the structure, across the direction of a stiffness: hangers and isolators are shorter
 
 
@@ -91,12 +95,53 @@ def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Intege
     free = np.setdiff1d(on, joined)
     if not len(free):
         return []
-    extent = float(np.linalg.norm(np.ptp(model.mesh.points[free], axis=0)))
-    message = (
-        f"{joint.name}: {len(free)} of {len(on)} nodes of {one.name} that lie on {other.name} are joined to nothing, "
-        f"over {extent:.3g} m, since {other.name} has no nodes there. The joint is open between those that are joined"
+    lying = _lying(one, other, on, free, model, within)
+    share = (
+        f"{lying.open:.3g} of the {lying.all:.3g} {lying.unit} over which" if lying.all > 0.0 else "the places where"
     )
-    return [Finding("joint-open", message, {"free": len(free), "touching": len(on), "extent_m": extent}, severe=True)]
+    message = (
+        f"{joint.name}: {share} {one.name} lies on {other.name} found no partner, at {len(free)} of {len(on)} nodes "
+        f"of it: {other.name} has no nodes at their places. The joint is open there"
+    )
+    values: dict[str, float] = {"free": len(free), "touching": len(on)}
+    if lying.all > 0.0:
+        unit = lying.unit.replace("^", "")
+        values |= {f"open_{unit}": lying.open, f"touching_{unit}": lying.all}
+    return [Finding("joint-open", message, values, severe=True)]
+
+
+class _Lying(NamedTuple):
+    """How much of a part lies on another, and how much of that has free nodes, in m^2 of its cells or m of their edges
+    or of its bars."""
+
+    open: float
+    all: float
+    unit: str
+
+
+def _lying(one: Meshed, other: Meshed, on: Integers, free: Integers, model: Model, within: float) -> _Lying:
+    points, corners = model.mesh.points, one.quads
+    cells = corners[np.isin(corners, on).any(axis=1)]
+    share = (np.arange(_PLACES) + 0.5) / _PLACES
+    x, y = (some.ravel() for some in np.meshgrid(share, share, indexing="ij"))
+    functions = np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], axis=1)
+    areas = np.linalg.norm(area_vectors(points, cells), axis=1) * _covered(functions, cells, other, points, within)
+    if areas.sum() > 0.0:
+        return _Lying(float(areas[np.isin(cells, free).any(axis=1)].sum()), float(areas.sum()), "m^2")
+    sides = np.concatenate([cells[:, [i, (i + 1) % 4]] for i in range(4)])
+    lines = np.unique(np.sort(one.lines if len(one.lines) else sides, axis=1), axis=0)
+    lines = lines[np.isin(lines, on).any(axis=1) & (lines[:, 0] != lines[:, 1])]
+    functions = np.stack([1.0 - share, share], axis=1)
+    lengths = np.linalg.norm(points[lines[:, 1]] - points[lines[:, 0]], axis=1)
+    lengths = lengths * _covered(functions, lines, other, points, within)
+    return _Lying(float(lengths[np.isin(lines, free).any(axis=1)].sum()), float(lengths.sum()), "m")
+
+
+def _covered(functions: Floats, cells: Integers, other: Meshed, points: Floats, within: float) -> Floats:
+    """Share of places of cells or lines [m, k] that lie on another part [m]. functions [q, k] : of the places."""
+    at = np.einsum("qk,mkd->mqd", functions, points[cells])
+    found = other.off_cells(at.reshape(-1, 3)).reshape(at.shape[:2]) <= within
+    return np.asarray(found.mean(axis=1), dtype=np.float64)
 
 
 def _neighbours(part: Meshed, joined: Integers) -> bool:
