@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import femstruct as fs
+from femstruct.errors import InputError
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
 from femstruct.model.section import rectangle
+from femstruct.parts.findings.arrangement import arrangement_findings
 from femstruct.parts.findings.joint_springs import joint_open_findings
 
 LIMP = fs.Material("limp", E=1e9, nu=0.0, rho=1000.0)
@@ -183,6 +185,32 @@ def test_an_oblique_rib_acts_wherever_its_nodes_are(mesh: float, bars: float | N
     found = ribbed(slab("floor", mesh, (2.0, 1.2)), RIB, bars)
     assert found[0] == pytest.approx(98.38, rel=0.01)  # shear of slab and rib 0.5 %; one node joined 40.6 Hz
     assert found == pytest.approx(ribbed(plate, RIB, 0.1), rel=0.02)  # shear in higher modes
+
+
+UNDER = "{start: [0, 0, -70 mm], end: [0, 0, -70 mm]}"  # half of 40 mm and half of 100 mm; right as RIB above
+
+
+@pytest.mark.parametrize("kind", ["slab", "plate"])
+def test_a_rib_at_its_true_height_is_answered_with_the_offsets_to_write(kind: str) -> None:
+    lines = tuple(tuple((x, y, z - 0.07) for x, y, z in line) for line in RIB)
+    rib = fs.Frame("rib", WOOD, rectangle("b", 0.06, 0.1), lines, mesh=0.1)
+    flat = fs.Plate("floor", WOOD, 0.04, origin=(0.0, 0.0, 0.0), size=(2.0, 1.2), mesh=0.1)
+    floor = flat if kind == "plate" else slab("floor", 0.1, (2.0, 1.2))
+    with pytest.raises(InputError) as caught:
+        fs.mesh_structure(fs.Structure("r", (floor, rib), (fs.Joint("glue", "rib", "floor"),)))
+    assert "move its lines by [0, 0, 70 mm] into the mid-surface of floor" in str(caught.value)
+    assert f"'offsets: {UNDER}'" in str(caught.value)
+    model = fs.mesh_structure(fs.Structure("r", (floor, rib)))
+    (found,) = (one for one in arrangement_findings(model) if one.code == "parts-not-joined")
+    assert f"'offsets: {UNDER}'" in found.message and found.severe
+
+
+def test_a_frame_that_is_not_at_one_height_has_no_offsets_proposed() -> None:
+    post = fs.Frame("post", WOOD, rectangle("b", 0.06, 0.1), (((0.55, 0.85, -0.1), (0.55, 0.85, -1.0)),), mesh=0.5)
+    with pytest.raises(InputError) as caught:
+        joint = fs.Joint("foot", "floor", "post")
+        fs.mesh_structure(fs.Structure("r", (slab("floor", 0.1, (2.0, 1.2)), post), (joint,)))
+    assert "offsets" not in str(caught.value) and "reach" in str(caught.value)
 
 
 def test_a_rib_beside_lines_of_cells_is_as_one_on_them() -> None:

@@ -7,6 +7,7 @@ import scipy
 
 from femstruct.arrays import Integers
 from femstruct.errors import InputError
+from femstruct.model.grid.ribs_apart import offsets_of
 from femstruct.model.grid.touching import stretch_inside
 from femstruct.model.model import Model
 from femstruct.model.region import Region
@@ -27,11 +28,13 @@ def coincident_pairs(item: Joint, model: Model, tolerance: float) -> Integers:
     met = np.isfinite(distances)
     if not met.any():
         apart = np.min(scipy.spatial.KDTree(model.mesh.points[second]).query(model.mesh.points[first])[0])
+        arms = f"write 'reach: {1e3 * apart:.3g} mm' for rigid arms between them"
+        offsets = offsets_of(model.parts[item.a], model.parts[item.b])
         raise InputError(
             f"joints.{item.name}",
             got=f"{item.a} and {item.b} without a common node; the nearest two are {apart:.4g} m apart",
             expected="a touch" if item.reach is None else f"nodes at most {item.reach:g} m apart",
-            do=f"write 'reach: {1e3 * apart:.3g} mm' for rigid arms between them",
+            do=arms if offsets is None else f"{offsets}; if not, {arms}",
         )
     pairs = np.stack([first[met], second[np.asarray(nearest)[met]]], axis=1)
     return pairs[:, ::-1] if turned else pairs

@@ -13,6 +13,7 @@ from femstruct.model.grid.geometry import clip, distance_to_rectangle, distance_
 from femstruct.model.grid.gridlines import SharedLine, Track
 from femstruct.model.grid.in_plane import stretched
 from femstruct.model.grid.layout import Layout, Segment
+from femstruct.model.grid.ribs_apart import offsets_to_write
 from femstruct.model.grid.touching import lines_under, stretch_inside
 from femstruct.model.part import Part
 from femstruct.model.region import Region
@@ -209,7 +210,11 @@ def _bars_on_rectangle(layout: Layout, joint: Joint, frame: str, plate: str) -> 
     for segment in layout.segments[frame]:
         touching |= _segment_on_rectangle(layout, segment, plate)
     if not touching:
-        _refuse_apart(layout, joint, float(distances.min()))
+        feet, arms = (np.concatenate([getattr(one, of) for one in layout.segments[frame]]) for of in ("feet", "arms"))
+        corner, normal = np.asarray(layout.rectangles[plate].origin), layout.axes_of[plate][2]
+        _refuse_apart(
+            layout, joint, float(distances.min()), offsets_to_write((frame, plate), feet, arms, corner, normal)
+        )
 
 
 def _segment_on_rectangle(layout: Layout, segment: Segment, plate: str) -> bool:
@@ -268,11 +273,11 @@ def _on_box(layout: Layout, name: str, box: str) -> None:
             layout.grids[segment.key].require(*((1.0 + share) / 2.0 * length for share in (first[0], last[0])))
 
 
-def _refuse_apart(layout: Layout, joint: Joint, distance: float) -> None:
+def _refuse_apart(layout: Layout, joint: Joint, distance: float, do: str | None = None) -> None:
     if distance > layout.tolerance:
         raise InputError(
             f"joints.{joint.name}",
             got=f"{joint.a} and {joint.b} {distance:.4g} m apart",
             expected="parts that touch: an end or a line of a frame on the mid-surface of a plate or on a frame",
-            do="move one of them",
+            do=do or "move one of them",
         )

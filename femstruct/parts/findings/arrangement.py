@@ -72,7 +72,7 @@ def _loose(model: Model, found: tuple[Piece, ...], alike: list[Piece]) -> Findin
         message = (
             f"{message[:-1]}, although the bars of {reached.bars} lie {_apart(reached.apart)} beside the middle of "
             f"{reached.face} at {_place(reached.place)} m, where their section reaches it. Is a joint missing? Write "
-            "their lines in it, how far they are off as 'offsets', and a joint."
+            f"their lines in it, 'offsets: {{start: {reached.offset}, end: {reached.offset}}}' there, and a joint."
         )
     message += " It can move freely" if free else " Each vibrates separately"
     return Finding(

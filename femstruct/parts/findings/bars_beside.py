@@ -9,6 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.model.grid.geometry import from_rectangle, to_rectangle
+from femstruct.model.grid.ribs_apart import written
 from femstruct.model.imported.nearest import nearest_places
 from femstruct.model.model import Model
 from femstruct.parts.findings.connections import Piece
@@ -21,12 +22,14 @@ MOST_PLACES: Final = 60  # along the bars of a piece
 
 
 class Beside(NamedTuple):
-    """A bar beside a face. place [3] : on the axis of the bar; apart : from there to the middle of the face [m]."""
+    """A bar beside a face. place [3] : on the axis of the bar; apart : from there to the middle of the face [m]; offset
+    : of the axis from there, as it is written."""
 
     bars: str
     face: str
     place: Floats
     apart: float
+    offset: str
 
 
 def bars_beside(model: Model, one: Piece, other: Piece) -> Beside | None:
@@ -40,7 +43,8 @@ def bars_beside(model: Model, one: Piece, other: Piece) -> Beside | None:
                     for face in faces:
                         nearest, normal, half = _nearest(face, place)
                         if _reaches(frame, axes, nearest - place, normal, half):
-                            return Beside(frame.name, face.name, place, float(np.linalg.norm(nearest - place)))
+                            apart = float(np.linalg.norm(nearest - place))
+                            return Beside(frame.name, face.name, place, apart, written(place - nearest))
     return None
 
 
