@@ -27,7 +27,7 @@ STUDY: Final = (
         LIMITS,
         "residual vectors change a number of it by more than the threshold, or it is at a frequency beyond the modes; "
         "where contacts reach beyond the modes, also what half of the residual vectors change, and twice the threshold "
-        "what all change, in the contact forces too",
+        "what all change, in the contact forces too, and what the rebound of a force with force-beyond-modes changes",
         "Do not quote the numbers with '?'. Compute more modes.",
         (Limit(0.05, "% of the number", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
     ),

@@ -23,7 +23,7 @@ from femstruct.study.study import Study
 from femstruct.workflow.continuation.bare_plates import infinite
 from femstruct.workflow.continuation.blow_forces import LONGEST_S, on_resistance
 from femstruct.workflow.judgement.source_findings import after_blow
-from femstruct.workflow.stages.recorded.evaluated import LessStatic
+from femstruct.workflow.stages.recorded.evaluated import LessStatic, OtherPush
 from femstruct.workflow.stages.recorded.peaks import CONVERGED
 from femstruct.workflow.stages.rest import planned_contacts
 
@@ -61,10 +61,14 @@ def with_less(study: Study, response: Response, beyond: Beyond) -> tuple[LessSta
     if true.all() or not beyond or not study.evaluations:
         return ()
     found = []
-    for share, way, allowed in ((0.5, "with half of", CONVERGED), (0.0, "where contacts do not feel", 2.0 * CONVERGED)):
+    for share, short, way, allowed in (
+        (0.5, "half static", "with half of", CONVERGED),
+        (0.0, "nothing static", "where contacts do not feel", 2.0 * CONVERGED),
+    ):
         scales = np.where(true, 1.0, np.sqrt(share))
         basis = replace(response.basis, shapes=response.basis.shapes * scales)
-        found.append(LessStatic(simulate(basis, response.scene, response.clock), scales, way, allowed))
+        run = simulate(basis, response.scene, response.clock)
+        found.append(LessStatic(run, scales, short, way, allowed))
     return tuple(found)
 
 
@@ -85,6 +89,15 @@ def forces_beside(study: Study, response: Response, beyond: Beyond) -> dict[str,
         if alone is not None and alone.apart > CONVERGED:  # else what is left out matters little: waves may come back
             found[contact.name] = (plate or alone)._replace(point=point, share=share, end=end)
     return found
+
+
+def other_pushes(found: Mapping[str, Beside]) -> tuple[OtherPush, ...]:
+    """What first blows on infinite plates give the structure, over what they give here: of a body 1 + rebound."""
+    return tuple(
+        OtherPush((1.0 + one.other_rebound) / (1.0 + one.rebound), f"with the rebound of {name} {one.way}")
+        for name, one in found.items()
+        if one.rebound is not None and one.other_rebound is not None
+    )
 
 
 def marked(channels: Mapping[str, Channel], found: Mapping[str, Beside]) -> dict[str, Channel]:

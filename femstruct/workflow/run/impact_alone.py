@@ -19,7 +19,7 @@ from femstruct.study.recorded import Channel
 from femstruct.study.result import CaseResult
 from femstruct.study.study import Case, Study
 from femstruct.workflow.judgement.coarse_sampling import missed_peaks, missed_pulses
-from femstruct.workflow.judgement.forces_beyond import force_findings, forces_beside, marked, with_less
+from femstruct.workflow.judgement.forces_beyond import force_findings, forces_beside, marked, other_pushes, with_less
 from femstruct.workflow.judgement.impact_findings import aliased_findings, shares_beyond
 from femstruct.workflow.run.struck import clock_of, findings_of
 from femstruct.workflow.stages.places import Places
@@ -57,7 +57,9 @@ def of_history(
     beyond = forces_beside(study, response, shares)
     rows = motion_rows(study, places, basis).items()
     accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
-    evaluations, of_evaluations = evaluated(study, places, response, channels, with_less(study, response, shares))
+    evaluations, of_evaluations = evaluated(
+        study, places, response, channels, with_less(study, response, shares), other_pushes(beyond)
+    )
     found = (
         *aliased_findings(response, accelerations),
         *missed_peaks(study, response, channels),

@@ -21,17 +21,25 @@ from femstruct.workflow.stages.recorded.channels import motion_rows, moved
 from femstruct.workflow.stages.recorded.peaks import CONVERGED
 
 Answers = Mapping[str, Mapping[str, Any]]  # by kind and name
-ALONE: Final = "without"  # how residual vectors are left out
+STATIC: Final = "the residual vectors (the static correction for the modes that are left out)"
 
 
 class LessStatic(NamedTuple):
     """The same impact with less of the residual vectors, also in the force: what is kept of each mode [k], how that is
-    said, and how far numbers may be apart then, as a share."""
+    said in short and before `STATIC`, and how far numbers may be apart then, as a share."""
 
     response: Response
     scales: Floats
+    short: str
     way: str
     allowed: float
+
+
+class OtherPush(NamedTuple):
+    """By how many times what a body gives the structure is larger by another way, and that way."""
+
+    times: float
+    way: str
 
 
 def nothing_evaluated() -> Answers:
@@ -45,11 +53,13 @@ def evaluated(
     response: Response,
     channels: Mapping[str, Channel],
     beside: Sequence[LessStatic] = (),
+    pushes: Sequence[OtherPush] = (),
 ) -> tuple[Answers, tuple[Finding, ...]]:
     """The answers, and what is to be known of them; every kind is there, with nothing where nothing is asked.
 
     They see the means of the motion about each sample, not its samples (`femstruct.impact.result.averaged`).
-    beside : the same impact with less of the residual vectors, where contacts reach beyond the modes.
+    beside : the same impact with less of the residual vectors, where contacts reach beyond the modes. pushes : what
+    blows give by another way; all numbers are in proportion to it.
     """
     found: dict[str, dict[str, Any]] = {key: {} for key in EVALUATIONS}
     told: list[Finding] = []
@@ -65,19 +75,28 @@ def evaluated(
         answer = found.setdefault(one.key(), {})[one.name] = one.answer(values, sampling)
         if row is None or true.all():
             continue
-        alone = _Other(one.answer(moved(means, what, row * true), sampling), ALONE, CONVERGED)
+        alone = _Other(
+            one.answer(moved(means, what, row * true), sampling), "modes alone", f"without {STATIC}", CONVERGED
+        )
         less = [
-            _Other(one.answer(moved(other, what, row * kept.scales), sampling), kept.way, kept.allowed)
+            _Other(
+                one.answer(moved(other, what, row * kept.scales), sampling),
+                kept.short,
+                f"{kept.way} {STATIC}",
+                kept.allowed,
+            )
             for kept, other in others
         ]
+        less += [_Other(one.answer(push.times * values, sampling), push.way, push.way, CONVERGED) for push in pushes]
         told += _beside(one, answer, [alone, *less], response.basis.complete_below_hz)
     return found, tuple(told)
 
 
 class _Other(NamedTuple):
-    """The same answer by another way, and how far its numbers may be apart."""
+    """The same answer by another way, said in short and in a sentence, and how far its numbers may be apart."""
 
     answer: Any
+    short: str
     way: str
     allowed: float
 
@@ -99,12 +118,12 @@ def _beside(one: Evaluation, answer: Any, others: Sequence[_Other], complete_bel
     more = f". So are {len(worst)} of its {len(numbers)} numbers" if worst[1:] else ""
     values = {"allowed": other.allowed, "apart": _apart(whole, told)}
     for _, a, b, which in worst:
-        values |= {a.name: a.value, f"{b.name}, {'modes alone' if which.way == ALONE else which.way}": b.value}
+        values |= {a.name: a.value, f"{b.name}, {which.short}": b.value}
     yield Finding(
         "evaluation-not-converged",
         f"{one.key()}.{one.name}: do not quote its {whole.name}. It is {factor * whole.value:.4g} {unit}, and "
-        f"{factor * told.value:.4g} {unit} {other.way} the residual vectors (the static correction for the modes that "
-        f"are left out), so it may change with the number of modes and with the mesh{more}. Compute more modes",
+        f"{factor * told.value:.4g} {unit} {other.way}, so it may change with the number of modes "
+        f"and with the mesh{more}. Compute more modes",
         values,
     )
 
