@@ -75,6 +75,10 @@ class Part:
         """What it states itself of what a file may state of its cells, or what it is in place of cards of a file."""
         return frozenset()
 
+    def takes(self) -> frozenset[Makes]:
+        """What it takes of what a file states of its cells and readers count among what is left out."""
+        return frozenset()
+
     def written_thickness(self) -> tuple[float, ...]:
         """Thicknesses [m] that the model states for cells of a mesh from a file; none where those of the file hold."""
         return ()

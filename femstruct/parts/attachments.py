@@ -34,7 +34,6 @@ from femstruct.model.structure import PlaceOn
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
 
 HEAVIEST: Final = 2e4  # kg per cube of the size of a structure: metal all through, the densest of which has 22600
-CONSISTENT: Final[Mapping[float, float]] = {1.0: 1.0, 1e-3: 1e3}  # kg in the unit of mass of files in metres and in mm
 _SIX: Final = len(DIRECTIONS)
 
 
@@ -96,7 +95,7 @@ class Attachments(GivenNodes):
     @property
     def unit(self) -> float:
         """The unit of mass of the file [kg]; 0 where it is not known."""
-        return CONSISTENT.get(self.mesh.scale, 0.0) if self.mass_unit is None else self.mass_unit
+        return self.mesh.unit_of_mass if self.mass_unit is None else self.mass_unit
 
     @property
     def holds(self) -> tuple[StatedHold, ...]:

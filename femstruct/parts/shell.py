@@ -34,7 +34,8 @@ class Shell(MeshPart):
     mesh : as `read_mesh_file` gives it. named : the set; None for all of them. thickness : of all, or by names of sets
     of cells [m]; None for that of a lay-up, or for what the file states. offset : from the mesh to the middle of the
     thickness, along the normal of each cell [m]; None is 0 where the file states none. orientation : direction of the
-    x of an orthotropic material or a lay-up, laid into each cell.
+    x of an orthotropic material or a lay-up, laid into each cell. nonstructural : mass per area on it that does not
+    stiffen it, NSM [kg/m^2]; None is what the file states, if its unit of mass is known: kg beside metres, t beside mm.
 
     Quadrilaterals are the better elements; quadratic cells are cut into four linear ones. Normals are made consistent
     over each patch of cells.
@@ -58,12 +59,16 @@ class Shell(MeshPart):
     named: str | None = None
     offset: float | None = None
     orientation: Vector | None = None
+    nonstructural: float | None = None
     dimension: ClassVar[int] = 2
-    units: ClassVar[Mapping[str, str]] = {"thickness": "m", "offset": "m"}
+    units: ClassVar[Mapping[str, str]] = {"thickness": "m", "offset": "m", "nonstructural": "kg/m^2"}
 
     def __post_init__(self) -> None:
         """Raises InputError for a set that is not there or has no such cells, and for directions that are missing."""
         super().__post_init__()
+        if self.nonstructural is not None and not self.nonstructural >= 0.0:
+            where, got = f"parts.{self.name}.nonstructural", f"{self.nonstructural:g} kg/m^2"
+            raise InputError(where, got=got, expected="a mass per area, or 0")
         if isinstance(self.material, Material):
             return
         if self.orientation is None or not np.linalg.norm(self.orientation) > 0:
@@ -80,9 +85,13 @@ class Shell(MeshPart):
         return self.offset or 0.0
 
     def stands_for(self) -> frozenset[Makes]:
-        """Offset and thickness too, where they are written: `offset: 0 mm` says that there is none."""
-        written = {Makes.OFFSET: self.offset, Makes.THICKNESS: self.thickness}
+        """Offset, thickness and mass on it too, where they are written: `offset: 0 mm` says that there is none."""
+        written = {Makes.OFFSET: self.offset, Makes.THICKNESS: self.thickness, Makes.SPREAD: self.nonstructural}
         return super().stands_for() | {makes for makes, value in written.items() if value is not None}
+
+    def takes(self) -> frozenset[Makes]:
+        taken = self.nonstructural is None and self.mesh.unit_of_mass > 0.0
+        return frozenset({Makes.SPREAD}) if taken else frozenset()
 
     def written_thickness(self) -> tuple[float, ...]:
         if isinstance(self.material, LayUp):

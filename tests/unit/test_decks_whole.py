@@ -79,7 +79,15 @@ FORBIDS = {
     "a second line of data": (inp(more="*SHELL SECTION, ELSET=A\n0.01\n0.02"), "data line 2 of *SHELL SECTION (line"),
     "a misspelt keyword": (inp(more="*BOUNDRY\n1, 1, 3"), "1 *BOUNDRY (line 32) [a keyword that is not known: is it m"),
     "an unknown option": (inp("*SHELL SECTION, ELSET=SKIN, MATERIAL=STEEL, TWIST=3\n0.01"), "option TWIST of *SHELL S"),
-    "nsm": (bulk("PSHELL,1,1,.01,1,,1,,12.5"), "NSM of PSHELL 1 (line 5) of 2 cells [12.5 of mass per area"),
+    "nsm of elements that no shell is": (
+        bulk(more="NSM,7,PBAR,1,12.5", control="NSM = 7"),
+        "1 NSM (line 21) [mass of cells, where the case control chooses it",
+    ),
+    "a sum of sets": (
+        bulk(more="NSM1,8,PSHELL,3.,1\nNSMADD,7,8", control="NSM = 7"),
+        "1 NSM1 (line 21) [mass of cells, where the case control chooses it",
+    ),
+    "mass per length": (inp(more="*NONSTRUCTURAL MASS, ELSET=A, UNITS=MASS PER LENGTH\n3."), "1 *NONSTRUCTURAL MASS ("),
     "corners": (bulk(element=",,\n,,,.02,.02,.02,.02"), "T1, T2, .. of CQUAD4 (line 16) of 4 cells [a thick"),
     "zoffs": (bulk(element=",,.002"), "ZOFFS of CQUAD4 (line 16) of 4 cells"),
     "a blank MID2": (bulk("PSHELL,1,1,.01"), "PSHELL 1 without MID2 (line 5) of 2 cells [a membrane, without"),
@@ -118,7 +126,6 @@ SILENT = {
     "equal corners": (bulk(element=",,\n,,,.01,.01,.01,.01"), {}),
     "layers": (inp(LAMINATE), {"material": LAYERS, "orientation": (1.0, 0.0, 0.0)}),
     "a set of one material": (FORBIDS["two materials"][0], {"named": "A"}),
-    "a set without NSM": (FORBIDS["nsm"][0], {"named": "PSHELL 2"}),
     "one material by two names": (bulk("PSHELL,1,9,.01,9,,9", more="MAT1,9,2.1+11,,.3,7850."), {}),
     "a direction of steel": (bulk(element=",30."), {}),
     "an orientation of steel": (
@@ -362,3 +369,70 @@ def test_supports_of_steps_are_those_of_the_model_where_modes_are_asked_for(tmp_
     assert held(own + modes + "\n" + load) == [([1], (0, 1, 2)), ([2], (2,))]
     later = mesh_of(tmp_path, inp(more=own + modes + "\n" + load)).stated.left_out
     assert "*BOUNDARY of a later step" in [one.what for one in later]
+
+
+NSM = bulk("PSHELL,1,1,.01,1,,1,,12.5")  # on 0.5 m^2
+SPREAD = {  # a deck, and the mass that lies on its 1 m^2 beside 78.5 kg [kg]
+    "PSHELL": (NSM, 6.25),
+    "with the factor of all masses": (bulk("PSHELL,1,1,.01,1,,1,,50.", more="PARAM,WTMASS,.25"), 6.25),
+    "NSM": (bulk(more="NSM,7,PSHELL,1,12.,2,8.", control="NSM = 7"), 10.0),
+    "NSM1": (bulk(more="NSM1,7,ELEMENT,12.,1,THRU,3", control="NSM = 7"), 9.0),
+    "NSML": (bulk(more="NSML,7,PSHELL,1,12.,2,8.", control="NSM = 7"), 20.0),
+    "NSML1": (bulk(more="NSML1,7,PSHELL,12.,1,2", control="NSM = 7"), 12.0),
+    "not chosen": (bulk(more="NSM1,8,ELEMENT,12.,1", control="NSM = 7"), 0.0),
+    "per area": (inp(more="*NONSTRUCTURAL MASS, ELSET=a, UNITS=MASS PER AREA\n12."), 6.0),
+    "per volume": (inp(more="*NONSTRUCTURAL MASS, ELSET=A, UNITS=MASS PER VOLUME\n1200."), 6.0),
+    "in total": (inp(more="*NONSTRUCTURAL MASS, ELSET=SKIN, UNITS=Total Mass\n12."), 12.0),
+}
+
+
+def mass_of(shell: fs.Shell) -> float:
+    return float(fs.mesh_structure(fs.Structure("a", (shell,))).parts["skin"].mass)
+
+
+@pytest.mark.parametrize("how", SPREAD)
+def test_mass_on_cells_that_a_deck_states_is_theirs(how: str, tmp_path: Path) -> None:
+    """Amount times area; of a part of the cells, what lies on those."""
+    text, on_it = SPREAD[how]
+    mesh = mesh_of(tmp_path, text)
+    assert mass_of(fs.Shell("skin", mesh, STEEL, 0.01)) == pytest.approx(78.5 + on_it, rel=1e-12)  # rounding
+    assert not severe(told(mesh, thickness=0.01))
+
+
+def test_mass_of_a_total_is_spread_over_all_cells_that_have_it(tmp_path: Path) -> None:
+    mesh = mesh_of(tmp_path, SPREAD["in total"][0])
+    assert mass_of(fs.Shell("skin", mesh, STEEL, 0.01, named="A")) == pytest.approx(39.25 + 6.0, rel=1e-12)  # rounding
+
+
+def test_a_deck_in_millimetres_and_tonnes(tmp_path: Path) -> None:
+    """12.5 kg/m^2 are 1.25e-8 t/mm^2; of a unit of length beside which none of mass is usual, it forbids trust."""
+    text = NSM.replace("12.5", "1.25-8")
+    for length in ("0.5", "1.0"):
+        text = text.replace(f",{length}", f",{float(length) * 1e3:g}")
+    (tmp_path / "a.bdf").write_text(text, encoding="utf-8")
+    mesh = fs.read_mesh_file(tmp_path / "a.bdf", scale=1e-3)
+    assert mass_of(fs.Shell("skin", mesh, STEEL, 0.01)) == pytest.approx(78.5 + 6.25, rel=1e-12)  # rounding
+    inches = fs.read_mesh_file(tmp_path / "a.bdf", scale=0.0254)
+    assert "NSM of PSHELL 1 (line 5) of 2 cells [1.25e-08 of mass per area, which does not stiffen; write 'nonstr" in (
+        severe(told(inches, thickness=0.01))
+    )
+
+
+def test_what_the_model_states_of_it_holds(tmp_path: Path) -> None:
+    mesh = mesh_of(tmp_path, NSM)
+    assert mass_of(fs.Shell("skin", mesh, STEEL, 0.01, nonstructural=3.0)) == pytest.approx(81.5, rel=1e-12)  # rounding
+    assert not told(mesh)
+    assert "mesh-stated-otherwise" in {one.code for one in told(mesh, nonstructural=3.0)}
+    with pytest.raises(InputError, match=r"parts.skin.nonstructural: got -3 kg/m\^2, expected a mass per area"):
+        fs.Shell("skin", mesh, STEEL, 0.01, nonstructural=-3.0)
+
+
+def test_frequencies_follow_the_root_of_the_mass(tmp_path: Path) -> None:
+    """As much mass as the plate has makes every frequency lower by the root of two: the cells have no rotary inertia
+    to speak of, t^2 / 12 of it."""
+    found = []
+    for nsm in ("", ",,78.5"):
+        text = bulk(f"PSHELL,1,1,.01,1,,1{nsm}").replace("PSHELL,2,1,.01,1,,1", f"PSHELL,2,1,.01,1,,1{nsm}")
+        shell = fs.Shell("skin", mesh_of(tmp_path, text), STEEL)
+        found.append(fs.modal_basis(fs.assemble(fs.mesh_structure(fs.Structure("a", (shell,)))), count=8).frequency_hz)
+    assert found[1][6:] == pytest.approx(found[0][6:] / 2**0.5, rel=1e-3)  # rotary inertia, (pi t / L)^2 / 12

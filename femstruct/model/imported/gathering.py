@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -75,6 +75,9 @@ def imported(source: str, found: Gathered, scale: float) -> ImportedMesh:
     )
 
 
+_LENGTHS: Final = {"area": 2, "volume": 3, "total": 0}  # in the unit of an amount of mass
+
+
 def _by_kind(blocks: Sequence[Block]) -> dict[str, Block]:
     together: dict[str, list[Block]] = {}
     for block in blocks:
@@ -140,4 +143,5 @@ def _in_rows(stated: Stated, nodes: Integers, rows: Integers, scale: float) -> S
         ),
         links=tuple(replace(one, node=int(of(one.node)[0]), nodes=of(one.nodes)) for one in stated.links),
         holds=tuple(replace(one, nodes=of(one.nodes)) for one in stated.holds),
+        spread=tuple(replace(one, amount=one.amount / scale ** _LENGTHS[one.per]) for one in stated.spread),
     )

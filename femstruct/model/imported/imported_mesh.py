@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Final, Literal, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.stated.left_out import LeftOut
 
 T = TypeVar("T")
+CONSISTENT: Final[Mapping[float, float]] = {1.0: 1.0, 1e-3: 1e3}  # kg in the unit of mass of files in metres and in mm
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,17 @@ class StatedHold:
 
 
 @dataclass(frozen=True, eq=False)
+class StatedSpread:
+    """Mass on cells of a shell that does not stiffen them: per "area" or "volume" of them or in "total". what : as the
+    file calls it. cells [n] : numbers of the elements. amount : in the unit of mass of the file, and metres."""
+
+    what: str
+    cells: Integers
+    amount: float
+    per: Literal["area", "volume", "total"]
+
+
+@dataclass(frozen=True, eq=False)
 class Stated:
     """What a file states beside its mesh. left_out : what of it is not made, the most harmful first.
     elements : numbers of those that have stiffness or mass wherever they are, by their type in the file; other
@@ -97,6 +109,7 @@ class Stated:
     elements: Mapping[str, Integers] = field(default_factory=dict)
     active: tuple[str, ...] = ()
     open_end: str = ""
+    spread: tuple[StatedSpread, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +174,11 @@ class ImportedMesh:
             node_sets=nodes,
             cell_sets=sets,
         )
+
+    @property
+    def unit_of_mass(self) -> float:
+        """That of the file [kg], which its unit of length has beside it; 0 where it is not known."""
+        return CONSISTENT.get(self.scale, 0.0)
 
     def count(self, dimension: int) -> int:
         """How many cells of a dimension it has: 1 of lines, 2 of faces, 3 of solids."""

@@ -35,6 +35,7 @@ from femstruct.model.structure import Support, SurfaceOn
 from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.cells_mesh import CellsMesh, Words
 from femstruct.parts.of_meshes.shell_sides import mean_normal
+from femstruct.parts.of_meshes.shell_spread import spread_mass
 from femstruct.parts.of_meshes.stresses_on_faces import stresses_on_faces
 
 if TYPE_CHECKING:
@@ -63,7 +64,8 @@ class ShellMesh(CellsMesh):
     @property
     def sections(self) -> Sections:
         """Rigidities and masses per area of its cells, about the middle of their thickness."""
-        return cell_sections(self.cells, *self._made(), self.part.x_direction)
+        found = cell_sections(self.cells, *self._made(), self.part.x_direction)
+        return found._replace(m0=found.m0 + spread_mass(self.part, self.cells, self.thickness))
 
     def _made(self) -> tuple[list[PlateSection], Integers]:
         """Different sections, and the number of that of each cell [q + t]."""

@@ -23,6 +23,7 @@ class Makes(Enum):
     PRELOAD = "stiffness by the forces of a state before"
     ELEMENTS = "elements with stiffness and mass"
     SECTION = "stiffness or mass of cells"
+    SPREAD = "mass of cells that does not stiffen"
     MATERIAL = "materials of cells"
     LAY_UP = "layers of cells"
     THICKNESS = "thickness of cells"

@@ -32,6 +32,7 @@ _DO: Final = {  # what the model can state instead
     Makes.OFFSET: "write 'offset'",
     Makes.THICKNESS: "write 'thickness'",
     Makes.LAY_UP: "write 'layers'",
+    Makes.SPREAD: "write 'nonstructural' of a shell, or masses",
     Makes.ORIENTATION: "write 'orientation'",
     Makes.MATERIAL: "write a part for each, with 'set', and a joint between them",
     Makes.BARS: "write frames",
@@ -129,7 +130,8 @@ class _Judged:
                 continue
             if one.cells is not None:
                 for user in users:
-                    if count := int(np.isin(user.numbers, one.cells).sum()):
+                    count = int(np.isin(user.numbers, one.cells).sum())
+                    if count and one.makes not in user.part.takes():
                         words = f"{one.what}{f' (line {one.line})' if one.line else ''} of {count} cells"
                         if one.makes not in user.part.stands_for():
                             missing.append(_harm(words, one.makes, one.changes))

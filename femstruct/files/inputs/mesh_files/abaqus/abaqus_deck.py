@@ -10,7 +10,7 @@ from typing import NamedTuple
 from femstruct.arrays import Floats, Integers
 from femstruct.files.inputs.mesh_files.text_lines import wrong_line
 from femstruct.model.imported.gathering import Block
-from femstruct.model.imported.imported_mesh import StatedHold, StatedLink, StatedMass, StatedProperty
+from femstruct.model.imported.imported_mesh import StatedHold, StatedLink, StatedMass, StatedProperty, StatedSpread
 from femstruct.model.imported.stated.left_out import Makes, Tally
 
 
@@ -62,6 +62,7 @@ class Deck:
     coupling: Keyword | None = None
     left_out: Tally = field(default_factory=Tally)
     of_sets: list[tuple[str, str, Makes, str, int]] = field(default_factory=list)  # left out, of cells to come
+    spread: list[tuple[str, StatedSpread, int]] = field(default_factory=list)  # set, mass on it, line
     others: list[int] = field(default_factory=list)  # elements that are left out, which sets may name
     turned: list[Integers] = field(default_factory=list)  # nodes with directions of their own, of *TRANSFORM
     turned_at: int = 0

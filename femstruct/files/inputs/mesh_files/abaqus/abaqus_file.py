@@ -15,7 +15,13 @@ import numpy as np
 from femstruct.arrays import Integers
 from femstruct.errors import InputError
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_deck import Deck, Keyword, known_as
-from femstruct.files.inputs.mesh_files.abaqus.abaqus_sections import membrane_section, shell_section, solid_section
+from femstruct.files.inputs.mesh_files.abaqus.abaqus_sections import (
+    membrane_section,
+    nonstructural_mass,
+    shell_section,
+    solid_section,
+    spread_on,
+)
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_stated import STATED, along_own_directions, is_number
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_words import LEFT_OUT, ONE_LINE, OPTIONS, WITHOUT_EFFECT
 from femstruct.files.inputs.mesh_files.text_lines import floats, integers, lines_of, wrong_line
@@ -93,6 +99,7 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
     cell_sets = _without_others(deck)
     for name, what, makes, changes, line in deck.of_sets:
         deck.left_out.add(what, makes, changes, line, cell_sets.get(name, ()))
+    spread = spread_on(deck, cell_sets)
     elements = _elements_by_type(deck, cell_sets)
     _plane_elements(deck, elements)
     stated = Stated(
@@ -104,6 +111,7 @@ def read_abaqus(path: Path, data: bytes) -> Gathered:
         left_out=deck.left_out.found,
         elements=elements,
         active=tuple(dict.fromkeys(one.name for one in deck.holds)),
+        spread=spread,
     )
     return Gathered(
         np.concatenate(deck.nodes),
@@ -356,6 +364,7 @@ _READERS: Final[Mapping[str, Callable[[Keyword, Deck], None]]] = {
     "SHELLSECTION": shell_section,
     "SOLIDSECTION": solid_section,
     "MEMBRANESECTION": membrane_section,
+    "NONSTRUCTURALMASS": nonstructural_mass,
     "MATERIAL": _nothing,
     **dict.fromkeys(_NAMES, _named),
     **STATED,

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
-from typing import Final
+from dataclasses import replace
+from typing import Final, Literal
 
+import numpy as np
+
+from femstruct.arrays import Integers
 from femstruct.files.inputs.mesh_files.abaqus.abaqus_deck import Deck, Keyword, known_as
 from femstruct.files.inputs.mesh_files.text_lines import floats, wrong_line
-from femstruct.model.imported.imported_mesh import StatedLayer, StatedProperty
+from femstruct.model.imported.imported_mesh import StatedLayer, StatedProperty, StatedSpread
 from femstruct.model.imported.stated.left_out import Makes
 
+_PER: Final[Mapping[str, Literal["area", "volume", "total"]]] = {
+    "MASS PER AREA": "area", "MASS PER VOLUME": "volume", "TOTAL MASS": "total",
+}  # fmt: skip
 _OFFSETS: Final = {"SPOS": 0.5, "SNEG": -0.5, "MIDDLE": 0.0, "MIDSURFACE": 0.0}  # of the thickness
 
 
@@ -35,6 +43,30 @@ def shell_section(keyword: Keyword, deck: Deck) -> None:
         leave("OFFSET", Makes.OFFSET, what)
     if "NODALTHICKNESS" in options:
         leave("NODAL THICKNESS", Makes.THICKNESS, "a thickness at each node")
+
+
+def nonstructural_mass(keyword: Keyword, deck: Deck) -> None:
+    """Mass on the cells of a set: per area or volume of them, or all of it."""
+    units = " ".join(keyword.options.get("UNITS", "").upper().split())
+    if units not in _PER or not keyword.rows or not keyword.rows[0][1]:
+        keyword.leave_out(deck, Makes.SECTION, "mass of cells")
+        return
+    number, words = keyword.rows[0]
+    name = known_as(deck.cell_sets, keyword.option("ELSET"))
+    amount = float(floats(keyword.path, [(number, words[:1])])[0])
+    spread = StatedSpread(f"*{keyword.written} of {name}", np.zeros(0, np.int64), amount, _PER[units])
+    deck.spread.append((name, spread, keyword.number))
+
+
+def spread_on(deck: Deck, cell_sets: Mapping[str, Integers]) -> tuple[StatedSpread, ...]:
+    """Mass on cells by their numbers, and count it, for parts that do not take it."""
+    found = []
+    for name, one, line in deck.spread:
+        cells = cell_sets.get(name, np.zeros(0, np.int64))
+        how = "in all" if one.per == "total" else f"per {one.per}"
+        deck.left_out.add(one.what, Makes.SPREAD, f"{one.amount:g} of mass {how}, which does not stiffen", line, cells)
+        found.append(replace(one, cells=cells))
+    return tuple(found)
 
 
 def _is_off(word: str) -> bool:

@@ -11,13 +11,15 @@ from femstruct.files.inputs.mesh_files.text_lines import wrong_line
 
 
 class Control(NamedTuple):
-    """What the case control says. sets : by name. chosen : numbers of the sets of supports that hold. commands : each
+    """What the case control says. sets : by name. chosen : numbers of the sets of supports that hold; masses : of
+    mass on cells. commands : each
     command NAME = VALUE with its first line, from 1. whole : whether there is a case control at all."""
 
     sets: dict[str, list[int]]
     chosen: list[int]
     commands: dict[str, int]
     whole: bool
+    masses: list[int]
 
 
 def case_control(lines: Sequence[Line]) -> Control:
@@ -33,6 +35,7 @@ def case_control(lines: Sequence[Line]) -> Control:
     """
     sets: dict[str, list[int]] = {}
     chosen: list[int] = []
+    masses: list[int] = []
     commands: dict[str, int] = {}
     pending, first = "", 0
     for one in lines:
@@ -42,6 +45,8 @@ def case_control(lines: Sequence[Line]) -> Control:
             continue
         if (spc := re.match(r"SPC\s*=\s*(\d+)\s*$", pending, re.IGNORECASE)) is not None:
             chosen.append(int(spc[1]))
+        if (nsm := re.match(r"NSM\s*=\s*(\d+)\s*$", pending, re.IGNORECASE)) is not None:
+            masses.append(int(nsm[1]))
         command = re.match(r"(\w+)\s*(?:\([^)]*\))?\s*=\s*(\S+)", pending)
         if command is not None and command[2].upper() != "NONE":
             commands.setdefault(command[1].upper(), first)
@@ -53,4 +58,5 @@ def case_control(lines: Sequence[Line]) -> Control:
         if "EXCEPT" in (word.upper() for word in card.fields):
             raise wrong_line(one.path, first, "SET with EXCEPT", "the numbers that belong to it")
         sets[f"SET {found[1]}"] = card.several(1)
-    return Control(sets, chosen, commands, any(one.text.strip().upper().startswith("CEND") for one in lines))
+    whole = any(one.text.strip().upper().startswith("CEND") for one in lines)
+    return Control(sets, chosen, commands, whole, masses)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 from femstruct.files.inputs.mesh_files.nastran.bulk_cards import Card
 from femstruct.model.imported.imported_mesh import StatedLayer, StatedLink, StatedMass, StatedMaterial
@@ -22,6 +22,18 @@ class Shelled(NamedTuple):
     shear: float
     nsm: float
     card: Card
+
+
+class Spread(NamedTuple):
+    """Mass on the cells of properties, or on elements, by their numbers. what : as the card calls it. line : its first
+    one. per : "area", or all of it."""
+
+    what: str
+    amount: float
+    per: Literal["area", "total"]
+    line: int
+    properties: tuple[int, ...]
+    elements: tuple[int, ...] = ()
 
 
 @dataclass
@@ -48,6 +60,7 @@ class Bulk:
     sets: dict[str, list[int]] = field(default_factory=dict)
     left_out: Tally = field(default_factory=Tally)
     of_property: list[tuple[int, str, Makes, str, int]] = field(default_factory=list)  # left out, of cells to come
+    spread: list[Spread] = field(default_factory=list)
     added: dict[int, list[int]] = field(default_factory=dict)  # sets of supports that SPCADD makes one
     chosen: list[int] = field(default_factory=list)  # sets of supports by SPC = N of the case control
     open_end: str = ""  # the word that would end the file, and its last card, where it has none

@@ -18,7 +18,7 @@ from femstruct.files.inputs.mesh_files.nastran.bulk_cards import Card, cards_of
 from femstruct.files.inputs.mesh_files.nastran.case_control import Control, case_control
 from femstruct.files.inputs.mesh_files.nastran.coordinate_systems import Systems
 from femstruct.files.inputs.mesh_files.nastran.nastran_bulk import OF_GRID, Bulk, Shelled
-from femstruct.files.inputs.mesh_files.nastran.nastran_shells import judge_shells, pcomp, pshell
+from femstruct.files.inputs.mesh_files.nastran.nastran_shells import judge_shells, nsm, pcomp, pshell, spread_on
 from femstruct.files.inputs.mesh_files.nastran.nastran_stated import conm2, hold, param, rbe2, rbe3, spc, spc1, spcadd
 from femstruct.files.inputs.mesh_files.nastran.nastran_words import (
     COMMANDS,
@@ -63,8 +63,9 @@ _OF_SHELLS: Final[Mapping[str, tuple[int, int, int, int]]] = {
     "CQUAD8": (14, 15, 10, 16),
     "CTRIA6": (8, 9, 10, 13),
 }
+_SPREAD: Final = ("NSM", "NSM1", "NSML", "NSML1")
 _CHOSEN_BY: Final[Mapping[str, tuple[str, ...]]] = {  # cards that act only where the case control names their set
-    **dict.fromkeys(("NSM", "NSM1", "NSML", "NSML1"), ("NSM",)),
+    **dict.fromkeys(_SPREAD, ("NSM",)),
     **dict.fromkeys(("MPC", "MPCAX", "MPCY"), ("MPC",)),
     **dict.fromkeys(("DMIG", "DMI", "DMIJ", "DMIJI", "DMIK"), ("K2GG", "M2GG", "K2PP", "M2PP", "B2GG", "B2PP", "A2GG")),
 }
@@ -91,6 +92,8 @@ def read_nastran(path: Path, data: bytes) -> Gathered:
         if word not in READ_COMMANDS:
             bulk.left_out.add(f"{word} of the case control", makes, changes, number)
     bulk.of_grids = next((card for card in cards if card.name == "GRDSET"), None)
+    if any(card.name == "NSMADD" for card in cards):  # which sets it is the sum of is not looked for: all are named
+        control = control._replace(masses=[])
     for card in cards:
         _take(card, bulk, control)
     if not bulk.numbers:
@@ -112,12 +115,22 @@ def _take(card: Card, bulk: Bulk, control: Control) -> None:
                 left.add(f"field {index + 2} of {name}", Makes.UNKNOWN, "a field that is not read", card.number)
     elif name in WITHOUT_EFFECT:
         left.add(name, Makes.NOTHING, WITHOUT_EFFECT[name], card.number)
-    elif control.whole and name in _CHOSEN_BY and not any(one in control.commands for one in _CHOSEN_BY[name]):
+    elif _not_chosen(card, control):
         left.add(name, Makes.NOTHING, "the case control does not choose it", card.number)
+    elif name in _SPREAD and set(control.masses) == {card.whole(0)} and nsm(card, bulk):
+        pass
     elif name in LEFT_OUT:
         left.add(name, *LEFT_OUT[name], card.number)
     else:
         left.add(name, Makes.UNKNOWN, "a card that is not known: is it misspelt?", card.number)
+
+
+def _not_chosen(card: Card, control: Control) -> bool:
+    """Whether a card acts only where the case control names its set, and does not."""
+    if card.name in _SPREAD and control.masses:
+        return card.whole(0) not in control.masses
+    commands = _CHOSEN_BY.get(card.name, ())
+    return control.whole and bool(commands) and not any(one in control.commands for one in commands)
 
 
 def _gathered(bulk: Bulk) -> Gathered:
@@ -166,6 +179,8 @@ def _stated(bulk: Bulk, turned: Integers) -> Stated:
     used = {one for number in bulk.chosen for one in bulk.added.get(number, [number])}
     of_cards = {number for number, _ in bulk.holds if number != OF_GRID}
     used = of_cards if not used and len(of_cards) == 1 else used
+    spread = tuple(spread_on(bulk))
+    left_out = bulk.left_out.found
     return Stated(
         tuple(one for number, one in properties if number in bulk.by_property),
         tuple(_weighed(one, factor) for one in bulk.materials),
@@ -175,10 +190,11 @@ def _stated(bulk: Bulk, turned: Integers) -> Stated:
         ),
         tuple(links),
         tuple(kept),
-        bulk.left_out.found,
+        left_out,
         elements={name: np.array(some) for name, some in bulk.bars.items()},
         open_end=bulk.open_end,
         active=tuple(_support(number) for number in (*sorted(used), OF_GRID)) if used else (),
+        spread=spread,
     )
 
 

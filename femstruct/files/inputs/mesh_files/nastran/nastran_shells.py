@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
+import numpy as np
+
+from femstruct.errors import some_of
 from femstruct.files.inputs.mesh_files.nastran.bulk_cards import Card
-from femstruct.files.inputs.mesh_files.nastran.nastran_bulk import Bulk, Shelled
-from femstruct.model.imported.imported_mesh import StatedLayer
+from femstruct.files.inputs.mesh_files.nastran.nastran_bulk import Bulk, Shelled, Spread
+from femstruct.model.imported.imported_mesh import StatedLayer, StatedSpread
 from femstruct.model.imported.stated.left_out import Makes
 
 SAME: Final = 1e-3  # of a thickness or a factor: cards have few digits
@@ -44,13 +47,50 @@ def pcomp(card: Card, bulk: Bulk) -> None:
     whose, line = f"{card.name} {number}", card.number
     bulk.leave_out_of(number, whose, Makes.LAY_UP, f"{len(made)} layers", line)
     if card.real(2, 0.0):
-        bulk.leave_out_of(number, f"NSM of {whose}", Makes.SECTION, f"{card.real(2):g} of mass per area", line)
+        bulk.spread.append(Spread(f"NSM of {whose}", card.real(2), "area", line, (number,)))
     if (word := card.field(7).upper()) not in ("", "SYM"):
         bulk.leave_out_of(number, f"LAM {word} of {whose}", Makes.SECTION, "layers that act otherwise", line)
     total = sum(one.thickness for one in made)
     if card.field(1) and made and abs(card.real(1) + total / 2.0) > SAME * total:
         what = "the lowest face is not half the thickness below the nodes"
         bulk.leave_out_of(number, f"Z0 of {whose}", Makes.OFFSET, what, line)
+
+
+def nsm(card: Card, bulk: Bulk) -> bool:
+    """Mass on the cells of properties or elements: NSM and NSML with a number and a value each, NSM1 and NSML1 with one
+    value; NSML and NSML1 have all of it, the others what is on an area. False for that of bars."""
+    kind = card.field(1).upper()
+    if kind not in ("PSHELL", "PCOMP", "ELEMENT"):
+        return False
+    per: Literal["area", "total"] = "total" if card.name.startswith("NSML") else "area"
+    if card.name.endswith("1"):
+        if "ALL" in (word.upper() for word in card.fields[3:]):
+            return False
+        pairs = [(card.several(3), card.real(2))]
+    else:
+        pairs = [([card.whole(at)], card.real(at + 1)) for at in range(2, len(card.fields), 2) if card.field(at)]
+    for numbers, amount in pairs:
+        what = f"{card.name} of {kind} {some_of([str(one) for one in numbers])}"
+        if kind == "ELEMENT" or per == "total":
+            properties = () if kind == "ELEMENT" else tuple(numbers)
+            elements = tuple(numbers) if kind == "ELEMENT" else ()
+            bulk.spread.append(Spread(what, amount, per, card.number, properties, elements))
+        else:
+            bulk.spread += [Spread(what, amount, per, card.number, (one,)) for one in numbers]
+    return True
+
+
+def spread_on(bulk: Bulk) -> list[StatedSpread]:
+    """Mass on cells that are there, and count it, for parts that do not take it."""
+    found = []
+    for one in bulk.spread:
+        cells = [*one.elements, *(cell for number in one.properties for cell in bulk.by_property.get(number, []))]
+        if cells:
+            amount = bulk.mass_factor * one.amount
+            changes = f"{amount:g} of mass {'per area' if one.per == 'area' else 'in all'}, which does not stiffen"
+            bulk.left_out.add(one.what, Makes.SPREAD, changes, one.line, cells)
+            found.append(StatedSpread(one.what, np.array(cells, np.int64), amount, one.per))
+    return found
 
 
 def judge_shells(bulk: Bulk) -> None:
@@ -69,7 +109,7 @@ def judge_shells(bulk: Bulk) -> None:
         membrane, bending, shear, coupled = one.materials
         differ = [m for m in (membrane, bending) if m > 0]
         if one.nsm:
-            left.add(f"NSM of {whose}", Makes.SECTION, f"{one.nsm:g} of mass per area", line, cells)
+            bulk.spread.append(Spread(f"NSM of {whose}", one.nsm, "area", line, (number,)))
         if not bending:
             left.add(f"{whose} without MID2", Makes.SECTION, "a membrane, without stiffness in bending", line, cells)
         elif not membrane:

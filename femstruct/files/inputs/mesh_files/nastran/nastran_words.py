@@ -142,7 +142,7 @@ COMMANDS: Final[Mapping[str, tuple[Makes, str]]] = {
 }
 """Commands of the case control that change a linear model of vibration."""
 
-READ_COMMANDS: Final = ("SPC", "SET")
+READ_COMMANDS: Final = ("SPC", "SET", "NSM")  # NSM by its cards, which are named where they are not read
 _OUTPUT: Final = (
     "ACCE AERO AEUX ANAL APP APRE ASSI AUXC AUXM AXES BEGI BOUT CEND CMET CSCA CSSC CURV DATA DEFO DESG DESM DESO "
     "DESS DESV DIAG DISP DIVE DLOA DRSP DSAP EBDR ECHO EDE EFF EKE ELFO ELST ENTH ESE ESEL FIND FLSF FLUX FMET "
