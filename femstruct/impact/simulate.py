@@ -118,8 +118,10 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         coordinates(motion, what, modes, modes + len(scene.bodies)) / compiled.scale[k:, None]
         for what in (DISPLACEMENT, VELOCITY)
     )
-    last = state.v[k:] / compiled.scale[k:]
-    bodies = {b.name: BodyHistory(displacement[i], velocity[i], float(last[i])) for i, b in enumerate(scene.bodies)}
+    last, felt = state.v[k:] / compiled.scale[k:], (compiled.rows[:, modes:].T @ push) / compiled.scale[k:, None]
+    bodies = {
+        b.name: BodyHistory(displacement[i], velocity[i], felt[i], float(last[i])) for i, b in enumerate(scene.bodies)
+    }
     endings = _endings(compiled, nt / clock.sampling, log, record, bodies)
     (outcome,) = outcomes_of(scene, endings, runs=1)
     return Response(

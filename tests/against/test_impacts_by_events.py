@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfiltfilt
 
 from femstruct import read_study, run_study
 from tests.independent.contact_events import Again, Chain, Touch, linear, power, run
@@ -25,7 +26,7 @@ def test_a_body_on_the_ground_is_struck_twice(tmp_path: Path, gravity: bool) -> 
         "  a: {mass: 0.5 kg, above: b, speed: 2 m/s, contact: {type: linear, stiffness: 760 kN/m, damping: 300 N*s/m},"
         " blows: {count: 2, every: 5.95 ms}}\n"
         "contacts: {lay: {between: [b, ground], law: {type: hunt-crossley, stiffness: 3e9 N/m^1.5, dissipation: .3}}}\n"
-        "record: {a: velocity, b: [displacement, travel], lay: force}\n"
+        "record: {a: [velocity, acceleration], b: [displacement, travel, acceleration], lay: force}\n"
         f"time: {{duration: 15 ms, sampling: 10 kHz, gravity: {str(gravity).lower()}}}\n"
     )
     case = next(iter(run_study(read_study(study)).cases.values()))
@@ -51,3 +52,37 @@ def test_a_body_on_the_ground_is_struck_twice(tmp_path: Path, gravity: bool) -> 
     assert np.abs(case.channels["a velocity"].values - path.speed("a", t)).max() < 1e-7 * 2.0
     # as above
     assert case.response.contacts["lay"].peak_force == pytest.approx(path.peak("lay"), rel=1e-7)
+    for name in "ab":
+        right = path.acceleration(name, t)
+        found = case.channels[f"{name} acceleration"].values
+        # as above, in forces of the law's stiffness times it
+        assert np.abs(found - right).max() < 1e-6 * np.abs(right).max()
+
+
+def test_a_low_pass_of_a_body_sees_its_change_of_velocity(tmp_path: Path) -> None:
+    """The force of a linear law with restitution jumps where a body touches; before it the body falls at -g."""
+    (tmp_path / "none.yaml").write_text("structure: none\n")
+    study = tmp_path / "one.study.yaml"
+    law = "{type: linear, stiffness: 1 MN/m, damping: 1 kN*s/m}"
+    study.write_text(
+        "model: none.yaml\n"
+        f"bodies: {{ram: {{mass: 5 kg, above: ground, speed: 1 m/s, contact: {law}}}}}\n"
+        "record: {ram: acceleration}\nlimits: {ram acceleration: 5 g}\npeaks: {lowpass: 20 Hz}\n"
+        "time: {duration: 150 ms, sampling: 2 kHz, gravity: true}\n"
+    )
+    result = run_study(read_study(study))
+    case = result.cases["as given"]
+    touch = Touch("hit", "ram", None, linear(1e6, 1e3))
+    path = run(Chain(bodies={"ram": 5.0}, touches=[touch], weights={"ram": -5.0 * G}, start={"ram": -1.0}), 0.4)
+    fine = 200e3  # the change of velocity in 5 us, -g before and after
+    held = np.full(int(0.3 * fine), -G)
+    a = np.concatenate([held, fine * np.diff(path.speed("ram", np.arange(int(0.4 * fine) + 1) / fine))])
+    low = sosfiltfilt(butter(4, 20.0, fs=fine, output="sos"), a)
+    right = np.abs(low[len(held) : len(held) + int(0.15 * fine)]).max()
+    assert case.channels["ram acceleration"].whole == pytest.approx(
+        right, rel=1e-3
+    )  # steps of 5 us, ends of the filter
+    (verdict,) = result.verdicts["as given"]
+    assert verdict.limit == pytest.approx(5.0 * G, rel=1e-12) and verdict.met is bool(
+        right < 5.0 * G
+    )  # rounding of 5 g

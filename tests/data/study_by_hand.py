@@ -142,7 +142,9 @@ def _response(basis, study, factor):
     phase = basis.omega[:, None] * t[None]
     q, qd = 1e-4 * decay * np.sin(phase), 1e-4 * basis.omega[:, None] * decay * np.cos(phase)
     force = factor * 200 * np.sin(np.pi * t / 5e-3) * (t < 5e-3)
-    ball = BodyHistory(np.where(t < 5e-3, -2.1 * t, -0.0105 + 1.2 * (t - 5e-3)), np.where(t < 5e-3, -2.1, 1.2), 1.2)
+    ball = BodyHistory(
+        np.where(t < 5e-3, -2.1 * t, -0.0105 + 1.2 * (t - 5e-3)), np.where(t < 5e-3, -2.1, 1.2), 0.0 * t, 1.2
+    )
     energy = np.full_like(t, 0.05)
     balance = EnergyBalance(
         0.0, {"ball": 0.12}, 0.0, {"ball on floor": 0.0}, {}, 0.0, {"ball on floor": 0.0}, {}, 0.0, 0.0

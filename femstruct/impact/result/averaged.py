@@ -7,7 +7,7 @@ Displacements have all of it.
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Final
 
 import numpy as np
@@ -62,7 +62,8 @@ def _corrected(values: Floats, order: int) -> Floats:
 
 
 class Averaged(Response):
-    """A response whose velocities and accelerations of points are these means; all else is that of the response."""
+    """A response whose velocities and accelerations of points and accelerations of bodies are these means; all else is
+    that of the response."""
 
     def velocity(self, row: Floats) -> Floats:
         """Weighted sum of the modal velocities [nt], row [k]: the mean about each sample."""
@@ -79,4 +80,12 @@ class Averaged(Response):
 
 def averaged(response: Response) -> Averaged:
     """The same response as filters need it."""
-    return Averaged(**{one.name: getattr(response, one.name) for one in fields(response)})
+    kept = {one.name: getattr(response, one.name) for one in fields(response)}
+    scene, rate = response.scene, response.clock.sampling
+    lifted = {one.body for one in scene.blows if one.count > 1 or one.first > 0.0}  # where velocities jump
+    falls = {one.name: -scene.gravity * one.falls for one in scene.bodies}
+    kept["bodies"] = {
+        name: one if name in lifted else replace(one, acceleration=mean_velocity(one.velocity, rate, falls[name]))
+        for name, one in response.bodies.items()
+    }
+    return Averaged(**kept)

@@ -65,11 +65,12 @@ class ContactHistory:
 
 @dataclass(frozen=True, eq=False)
 class BodyHistory:
-    """One body: displacement [nt] [m] and velocity [nt] [m/s] along its axis, at the samples; end_velocity [m/s] at the
-    end of the window, an interval after the last of them."""
+    """One body: displacement [nt] [m], velocity [nt] [m/s], acceleration [nt] [m/s^2] along its axis, at the samples;
+    end_velocity [m/s] at the end of the window, an interval after the last of them."""
 
     displacement: Annotated[Floats, Reported("m", "Displacement", along=_TIME)]
     velocity: Annotated[Floats, Reported("m/s", "Velocity", along=_TIME)]
+    acceleration: Annotated[Floats, Reported("m/s^2", "Acceleration", along=_TIME)]
     end_velocity: Annotated[float, Reported("m/s", "Velocity at the end of the window")]
 
     @property

@@ -25,9 +25,9 @@ def check_records(
             there.need(target in stressed, f"'stress' of {got}", expected, nearest(target, stressed), of_key=True)
         elif target in bodies:
             there.need(
-                what in ("displacement", "velocity", "travel"),
+                what in ("displacement", "velocity", "acceleration", "travel"),
                 f"'{what}' of a body",
-                "displacement, velocity or travel",
+                "displacement, velocity, acceleration or travel",
             )
         elif target in forced:
             there.need(what == "force", f"'{what}' of {got}", "force")

@@ -189,6 +189,8 @@ def before_start(study: Study, places: Places, response: Response) -> dict[str, 
             if what == "travel" and targets[name] != GROUND:
                 rate -= speed(targets[name], _row_along(targets[name], study, places, response))
             found[str(wanted)] = Before(rate, pulled[name]) if what == "velocity" else Before(at, rate)
+        elif name in response.bodies and what == "acceleration":
+            found[str(wanted)] = Before(pulled[name])
     for name, contact, sign in _touched(study, places, response):
         net = f"{NET_FORCE}{name}"
         found[net] = Before(found.get(net, AT_REST).level + sign * held[contact])
@@ -237,7 +239,7 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
         if what == "travel":
             placed_on = motion_of(bodies[target].target, study, places, response)
             return {str(wanted): (body.displacement - placed_on, unit)}
-        if what in ("displacement", "velocity"):
+        if what in MOTIONS:
             return {str(wanted): (getattr(body, what), unit)}
     if what == "force":
         if target in response.contacts:
@@ -257,8 +259,8 @@ def _recorded(wanted: Record, study: Study, places: Places, response: Response) 
     raise InputError(
         f"record.{target}",
         got=f"'{what}' of '{target}'",
-        expected="motion of POINT.x, displacement, velocity or travel of a body, or force of a contact, link, spring, "
-        "foundation, support, joint or ground",
+        expected="motion of POINT.x, displacement, velocity, acceleration or travel of a body, or force of a contact, "
+        "link, spring, foundation, support, joint or ground",
     )
 
 
