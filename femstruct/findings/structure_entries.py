@@ -253,6 +253,23 @@ STRUCTURE: Final = (
         "Give both parts the same nodes where they touch, or write a seam.",
     ),
     Entry(
+        "parts-share-nodes",
+        "Parts of one mesh file are joined at the nodes that they share there.",
+        REMARK,
+        "two parts of one mesh file share nodes, and the model has no joint or seam of them",
+        "Nothing, where they are to move together. A joint of both takes the place of that: 'kind: pinned', springs, "
+        "or a slip; parts that touch and are to move apart need nodes of their own in the file.",
+    ),
+    Entry(
+        "shared-nodes-hinge",
+        "A shell is on a hinge where it shares nodes of a mesh file with a solid.",
+        FORBIDS,
+        "nodes that a shell shares with a solid are of no cell of the shell that lies on the solid with all its nodes, "
+        "and the model has no joint of them; nodes of solids do not turn",
+        "Write a joint of both, which holds the rotations of the shell to the surface of the solid; or 'kind: pinned' "
+        "if it is a hinge; or let a row of cells of the shell lie on the solid in the file.",
+    ),
+    Entry(
         "joint-rigid-arms",
         "A joint has rigid arms between nodes of parts that touch.",
         LIMITS,

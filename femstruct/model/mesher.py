@@ -10,6 +10,7 @@ from femstruct.declared import expect
 from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.equations.constraint import Constraint
 from femstruct.model.equations.elastic_edges import elastic_edges
+from femstruct.model.equations.shared_nodes import shared_nodes, shared_tie
 from femstruct.model.equations.supports_and_joints import joint, support
 from femstruct.model.fastened import Elastic, Inert, Tie
 from femstruct.model.grid.in_plane import steadied
@@ -31,7 +32,8 @@ def mesh_structure(structure: Structure) -> Model:
     frames; sizes and divisions of the parts are the least density between. A point of a plate that is only driven or
     recorded is interpolated and moves no node; so is one of bars where these have the nodes of a plate.
     A frame line lying in a plate it is joined to takes the plate's nodes, whatever its own size. Every part has nodes
-    of its own; parts are connected by joints, which are equations, and by springs and foundations.
+    of its own; parts are connected by joints, which are equations, and by springs and foundations. Parts of one mesh
+    file that share nodes there are joined at these.
 
     Raises InputError, naming the part or joint, where joined parts do not touch, a region, point or line leaves its
     part, or a name does not exist.
@@ -100,6 +102,7 @@ def _fastened(
     found += [one for item in structure.supports for one in elastic_edges(item, bare, tolerance)]
     for item in structure.joints:
         found += [one for one in joint(item, bare, tolerance) if one is not None]
+    found += [shared_tie(shared, bare) for shared in shared_nodes(bare)]
     found += [item.tie(bare, tolerance) for item in structure.constraints]
     elastics = tuple(one for one in found if isinstance(one, Elastic))
     inerts = tuple(one for one in found if isinstance(one, Inert))

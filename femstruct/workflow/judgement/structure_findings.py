@@ -26,6 +26,7 @@ from femstruct.parts.findings.joint_springs import far_spring_findings, joint_op
 from femstruct.parts.findings.losses.layer_losses import layer_loss_findings
 from femstruct.parts.findings.losses.total_losses import total_loss_findings
 from femstruct.parts.findings.reduced_band import reduced_findings
+from femstruct.parts.findings.shared_by_file import shared_node_findings
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.findings.twice import twice_findings
 from femstruct.parts.findings.waves import mesh_findings
@@ -102,6 +103,7 @@ def structure_findings_before(
         found += wide_rib_findings(model)
         found += joint_spring_findings(model)
         found += joint_open_findings(model)
+        found += shared_node_findings(model)
         found += far_spring_findings(model)
         found += constraint_findings(model)
         found += cavity_findings(model)

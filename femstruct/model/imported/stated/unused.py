@@ -34,7 +34,7 @@ _DO: Final = {  # what the model can state instead
     Makes.LAY_UP: "write 'layers'",
     Makes.SPREAD: "write 'nonstructural' of a shell, or masses",
     Makes.ORIENTATION: "write 'orientation'",
-    Makes.MATERIAL: "write a part for each, with 'set', and a joint between them",
+    Makes.MATERIAL: "write a part for each, with 'set'; the nodes that they share join them",
     Makes.BARS: "write frames",
     Makes.SPRINGS: "write springs",
     Makes.MASSES: "write masses",
