@@ -22,11 +22,15 @@ from femstruct.parts.findings.arrangement import arrangement_findings, overhang_
 from femstruct.parts.findings.connections import pieces
 from femstruct.parts.findings.eccentric import eccentric_findings
 from femstruct.parts.findings.folded import folded_findings
-from femstruct.parts.findings.joint_springs import far_spring_findings, joint_open_findings, joint_spring_findings
+from femstruct.parts.findings.joint_springs import (
+    far_spring_findings,
+    joint_open_findings,
+    joint_spring_findings,
+    shared_node_findings,
+)
 from femstruct.parts.findings.losses.layer_losses import layer_loss_findings
 from femstruct.parts.findings.losses.total_losses import total_loss_findings
 from femstruct.parts.findings.reduced_band import reduced_findings
-from femstruct.parts.findings.shared_by_file import shared_node_findings
 from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.findings.twice import twice_findings
 from femstruct.parts.findings.waves import mesh_findings
