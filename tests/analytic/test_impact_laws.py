@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 from scipy.special import ellipk, gamma
 
-from femstruct.errors import FemstructError
+from femstruct.errors import FemstructError, InputError
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
@@ -22,7 +22,7 @@ from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.linear import Linear
 from femstruct.impact.laws.stop import Stop
 from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.result.response import Response
+from femstruct.impact.result.response import Outcome, Response
 from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.scene.restitution import damping_ratio_for, dissipation_for, restitution_of
 from femstruct.impact.simulate import simulate
@@ -54,6 +54,34 @@ def test_linear_by_restitution_and_duration(e: float, tensile: bool) -> None:
     law = Linear.returning(e, mass=m, stiffness=5e4, tensile=tensile)
     assert law.stiffness == 5e4
     assert wall(law, m, 1.0, 0.03).bodies["ball"].velocity[-1] == pytest.approx(e, rel=1e-10)
+
+
+def test_a_restitution_of_0_holds_a_body_that_meets_a_wall() -> None:
+    """Critical damping, x = v t e^(-w t): the force is largest at the touch, c v, and what it brings is all lost."""
+    m, v, k = 0.37, 3.0, 5e4
+    law = Linear.returning(0.0, mass=m, stiffness=k, tensile=True)
+    response = wall(law, m, v, 0.1)
+    w, t = np.sqrt(k / m), response.t
+    # exact motion, sqrt of a sum: at its double root the two rates are 1e-8 apart
+    assert -response.bodies["ball"].displacement == pytest.approx(v * t * np.exp(-w * t), abs=1e-8 * v / w)
+    assert response.contacts["wall"].peak_force == pytest.approx(2.0 * np.sqrt(k * m) * v, rel=ROUNDING)
+    assert response.contacts["wall"].first_open is None
+    assert response.ledger.end.dissipated == pytest.approx(0.5 * m * v**2, rel=1e-8)  # e^(-2 w 0.1 s)
+    assert response.outcome is Outcome.TOGETHER and not response.findings
+    with pytest.raises(InputError, match="got a duration with restitution 0, expected a stiffness"):
+        Linear.returning(0.0, mass=m, duration=1e-3, tensile=True)
+    with pytest.raises(InputError, match="restitution: got 0"):
+        Linear.returning(0.0, mass=m, stiffness=k)
+
+
+def test_a_body_that_stays_moves_on_with_what_it_strikes() -> None:
+    """Two free bodies end with their common speed."""
+    law = Linear.returning(0.0, mass=0.2 * 0.5 / 0.7, stiffness=1e4, tensile=True)
+    scene = Scene((Body("a", 0.2, -1.0), Body("b", 0.5, 0.3)), (Contact("c", "a", "b", law),))
+    response = simulate(NONE, scene, Clock(0.1, 1e4))
+    for body in response.bodies.values():
+        assert body.end_velocity == pytest.approx((0.5 * 0.3 - 0.2) / 0.7, rel=1e-8)  # e^(-w 0.1 s)
+    assert response.outcome is Outcome.TOGETHER
 
 
 def test_two_bodies_count_with_their_reduced_mass() -> None:

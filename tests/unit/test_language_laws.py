@@ -121,7 +121,18 @@ WRONG = {  # law: what stands where the message points, the message
         "'duration'; add 'restitution: ...', or remove 'duration'"),
     "{type: linear, restitution: 0.5}": ("{type", "got none of stiffness, duration, expected exactly one"),
     "{type: linear, stiffness: 1, restitution: 1.2}": ("1.2", "restitution: got 1.2, expected a ratio of at most 1"),
-    "{type: linear, stiffness: 1, restitution: 0}": ("0}", "restitution: got 0, expected a positive value: a ratio"),
+    "{type: linear, stiffness: 1, restitution: 0}": ("0}", "restitution: got 0 of a contact that does not pull, "
+        "expected a positive value; for a body that stays write 'tensile: true' beside it; for one that hardly returns "
+        "write 'restitution: 5 %'"),
+    "{type: linear, tensile: true, duration: 2 ms, restitution: 0}": ("0}", "restitution: got 0 with a duration, "
+        "expected a stiffness"),
+    "{type: linear, stiffness: 1, restitution: -0.1}": ("-0.1", "restitution: got -0.1, expected a ratio of at least"),
+    **{
+        f"{{type: {law}, restitution: 0}}": ("0}", "restitution: got 0, expected a positive value: a ratio; for a body"
+            " that stays write '{type: linear, stiffness: .., tensile: true, restitution: 0}'")
+        for law in ("hunt-crossley, stiffness: 1", "flores, stiffness: 1", "lankarani-nikravesh, stiffness: 1",
+            "cubic, cubic: 1", "table, curve: [[0, 0], [1, 1]]")
+    },
     "{type: hertz, stiffness: 1e8, radius: 5 mm, E: [1, 1], nu: [0, 0]}": ("{type", "got both stiffness and E"),
     "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa]}": ("{type", "got radius without nu"),
     "{type: hertz, stiffness: 1e8, nu: [0.3, 0.3]}": ("{type", "got nu without E"),

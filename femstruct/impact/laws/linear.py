@@ -81,6 +81,8 @@ class Linear(Law):
         Notes: c = 2 z sqrt(k m) with z from `femstruct.impact.scene.restitution.damping_ratio_for`; the contact lasts
         T = 2 swing(z) sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
 
+        With tension the restitution may be 0 beside a stiffness: the ends stay together.
+
         Raises InputError unless 0 < restitution <= 1, mass and duration or stiffness are positive, and one of these
         two is given.
 
@@ -94,6 +96,10 @@ class Linear(Law):
             raise InputError("linear law", got="both or neither", expected="either a duration or a stiffness")
         if duration is not None:
             refuse_unless_positive("linear law duration", duration)
+            if not restitution:
+                raise InputError(
+                    "linear law", got="a duration with restitution 0", expected="a stiffness", do="it stays"
+                )
             angle = sqrt(pi**2 + log(restitution) ** 2) if tensile else 2.0 * swing(ratio)
             stiffness = mass * (angle / duration) ** 2
         assert stiffness is not None

@@ -75,11 +75,13 @@ def damping_ratio_for(restitution: float, tensile: bool = False) -> float:
 
     A contact that may not pull opens when its force is zero: e = exp(-2 z acos(z) / sqrt(1 - z^2)), for z > 1 with
     acosh(z) / sqrt(z^2 - 1) (Schwager and Poeschel, Granular Matter 9 (2007) 465). One that pulls (tensile) opens
-    when its indentation is zero: e = exp(-pi z / sqrt(1 - z^2)).
+    when its indentation is zero: e = exp(-pi z / sqrt(1 - z^2)), and never from z = 1 on, a restitution of 0.
 
     >>> round(damping_ratio_for(0.5), 6), round(damping_ratio_for(0.5, tensile=True), 6)
     (0.255276, 0.215454)
     """
+    if tensile and restitution == 0.0:
+        return 1.0
     refuse_restitution(restitution)
     loss = -log(restitution)
     if restitution == 1.0:

@@ -7,7 +7,7 @@ indentation, d' its rate, positive while the ends approach.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 from pydantic import ValidationInfo, field_validator
 
@@ -18,8 +18,12 @@ from femstruct.language.yaml import Flag, Here, Quantity, Spec, refuse
 from femstruct.units import QuantityError, power_stiffness
 
 Positive = Annotated[float, Quantity(("stiffness",), above=0.0)]
-Restitution = Annotated[
-    float, Quantity(("ratio",), above=0.0, most=1.0, too_large="30 % is 0.3: did you mean {number:g} %?")
+_PERCENT: Final = "30 % is 0.3: did you mean {number:g} %?"
+HARDLY: Final = "for one that hardly returns write 'restitution: 5 %'"
+STAYS: Final = f"for a body that stays write '{{type: linear, stiffness: .., tensile: true, restitution: 0}}'; {HARDLY}"
+Restitution = Annotated[float, Quantity(("ratio",), above=0.0, most=1.0, too_large=_PERCENT, at_limit=STAYS)]
+AnyRestitution = Annotated[
+    float, Quantity(("ratio",), least=0.0, most=1.0, too_large=_PERCENT, too_small="remove the sign")
 ]
 Exponent = Annotated[float, Quantity(("ratio",), least=1.0, most=9.0)]
 MeetingSpeed = Annotated[float, Quantity(("speed",), above=0.0)]

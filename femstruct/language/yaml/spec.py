@@ -151,7 +151,8 @@ class Quantity:
     """Annotation of a field that holds a quantity of one of these dimensions, within limits.
 
     too_small, too_large : what to do about a value beyond `least` or `most`; {number} in it is the value in SI units,
-    {thousandfold} a thousand times that. words : what the quantity is where its dimension does not say it.
+    {thousandfold} a thousand times that. at_limit : what to do about the value `above` itself. words : what the
+    quantity is where its dimension does not say it.
     """
 
     dimensions: tuple[str, ...]
@@ -162,6 +163,7 @@ class Quantity:
     which: bool = False
     too_small: str = "remove the sign"
     too_large: str = ""
+    at_limit: str = ""
     words: str = ""
 
     def read(self, value: object) -> Any:
@@ -174,7 +176,8 @@ class Quantity:
         if self.above is not None and not number > self.above:
             if named.unit == "1" and number < 0.0 == self.above:
                 raise refuse(shown_as(value), "a positive value", f"write {-number:g}")
-            raise refuse(shown_as(value), f"a positive value: {named.words}", f"write it like {named.example}")
+            do = self.at_limit if number == self.above and self.at_limit else f"write it like {named.example}"
+            raise refuse(shown_as(value), f"a positive value: {named.words}", do)
         if self.least is not None and not number >= self.least:
             raise refuse(
                 shown_as(value),
