@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import log10
 from typing import Final
 
 import numpy as np
@@ -133,17 +134,22 @@ def one_way(room: Box) -> tuple[Advice, ...]:
 
 def t60_missed(modelled: Mapping[float, float], asked: Mapping[float, float]) -> tuple[Advice, ...]:
     """Advice ``t60-missed`` when a reverberation time {frequency [Hz]: [s]} was asked for that the modelled one misses
-    by more than 10 %."""
+    by more than 10 %, with what steady sound is then too loud, 10 lg of the one over the other, at worst."""
     missed = [f for f, wanted in asked.items() if abs(modelled[f] / wanted - 1) > T60_MISSED]
     if not missed:
         return ()
     told = ", ".join(f"{f:g} Hz {wanted:.3g} s / {modelled[f]:.3g} s" for f, wanted in asked.items())
+    off = {f: 10 * log10(modelled[f] / asked[f]) for f in missed}
+    ends = ((max(off, key=lambda f: off[f]), "high"), (min(off, key=lambda f: off[f]), "low"))
+    worst = " and ".join(
+        f"{abs(off[f]):.1f} dB too {word} ({f:g} Hz)" for f, word in ends if (off[f] > 0) == (word == "high")
+    )
     values = {f"asked_{f:g}_hz_s": asked[f] for f in missed} | {f"modelled_{f:g}_hz_s": modelled[f] for f in missed}
     return (
         Advice(
             "t60-missed",
             f"a decay rate and a relaxation time cannot give the required reverberation times; required / modelled: "
-            f"{told}",
+            f"{told}. Levels in the room are up to {worst}, of steady sound; of blows by less",
             values,
         ),
     )

@@ -58,6 +58,8 @@ def test_times_that_rise_are_told_with_both_numbers():
     assert advice.values["asked_63_hz_s"] == 0.4
     assert advice.values["modelled_63_hz_s"] == pytest.approx(t60_of(losses, 63.0))
     assert "63 Hz 0.4 s / 0." in advice.message
+    # T = sum T_i^2 / sum T_i = 0.684 s: 10 lg(0.684 / 0.4) and 10 lg(0.9 / 0.684)
+    assert "up to 2.3 dB too high (63 Hz) and 1.2 dB too low (500 Hz), of steady sound" in advice.message
 
 
 def test_a_room_rings_as_long_as_its_losses_say():

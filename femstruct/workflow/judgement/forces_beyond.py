@@ -116,7 +116,7 @@ def force_findings(found: Mapping[str, Beside]) -> Iterator[Finding]:
     for name, one in found.items():
         told = ""
         if one.rebound is not None and one.other_rebound is not None:
-            told = f"The body keeps {one.rebound:.2f} of its speed, and {one.other_rebound:.2f}. "
+            told = f"The body keeps {one.rebound:z.2f} of its speed, and {one.other_rebound:z.2f}. "
         values = {"peak": one.peak, "beside": one.other_peak, "apart": one.apart, "allowed": CONVERGED}
         rebounds = {"rebound": one.rebound, "rebound_beside": one.other_rebound}
         yield Finding(
