@@ -240,8 +240,8 @@ STRUCTURE: Final = (
         "The springs of a joint depend on the mesh: there is one at every pair of joined nodes.",
         LIMITS,
         "a joint with a stiffness joins neighbouring nodes, as along an edge or over a face",
-        "Check that the sum that is stated is the stiffness of the whole joint. If not, divide that stiffness by the "
-        "number of pairs, and do so again whenever the mesh changes.",
+        "Write the stiffness per length of the line, in N/m^2 or N*m/m: it is spread along it, whatever the mesh. Or "
+        "check that the sum that is stated is the stiffness of the whole joint.",
     ),
     Entry(
         "joint-open",

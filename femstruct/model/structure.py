@@ -45,9 +45,10 @@ class Joint:
     sets : of parts that are meshes, by name of the part: the set of it that is joined. reach : nodes of the first part
     follow the nearest of the second within this distance [m], on rigid arms, as from the edge of a web on the face of a
     flange to its middle; None joins nodes at one place only.
-    stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free [N/m, N m/rad], one at
-    every pair of joined nodes. slip : of a sliding joint, the stiffness per length that resists along the line [N/m^2]:
-    the slip modulus of screws or nails over their spacing, or of glue times its width; 0 slides freely.
+    stiffness : directions (x y z rx ry rz, global) that are springs instead of rigid or free, one at every pair of
+    joined nodes [N/m, N m/rad], or, where `per` is "length", spread along the lines on which the parts touch [N/m^2,
+    N m/rad/m]. slip : of a sliding joint, the stiffness per length that resists along the line [N/m^2]: the slip
+    modulus of screws or nails over their spacing, or of glue times its width; 0 slides freely.
 
     A tube that stands on a plate: rigid, or free to turn with a spring of 5 kN m/rad about x:
 
@@ -65,6 +66,7 @@ class Joint:
     sets: Mapping[str, str] = field(default_factory=dict)
     reach: float | None = None
     slip: float = 0.0
+    per: Literal["pair", "length"] = "pair"
 
     def __post_init__(self) -> None:
         where = f"joints.{self.name}"

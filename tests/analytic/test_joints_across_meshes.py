@@ -6,16 +6,19 @@ all nodes coincide.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import femstruct as fs
 from femstruct.errors import InputError
+from femstruct.language import read_model
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
 from femstruct.model.section import rectangle
 from femstruct.parts.findings.arrangement import arrangement_findings
-from femstruct.parts.findings.joint_springs import joint_open_findings
+from femstruct.parts.findings.joint_springs import joint_open_findings, joint_spring_findings
 
 LIMP = fs.Material("limp", E=1e9, nu=0.0, rho=1000.0)
 WOOD = fs.Material("wood", E=11e9, nu=0.3, rho=450.0)
@@ -325,3 +328,77 @@ def block(x0: float, n: int) -> ImportedMesh:
     high = [k[:1, :-1, 1:], k[1:, :-1, 1:], k[1:, 1:, 1:], k[:1, 1:, 1:]]
     cells = np.stack([*low, *high], axis=-1).reshape(-1, 8)
     return ImportedMesh("b.msh", points, k.ravel() + 1, {"hex8": cells}, {"hex8": np.arange(len(cells))}, {})
+
+
+STIFF = fs.Material("stiff", E=1e14, nu=0.0, rho=1000.0)
+MESHES = [(0.3, 0.3), (0.3, 0.4), (0.4, 0.15)]  # of both slabs: nodes that coincide, that do at both ends, in part
+
+
+def elastic(meshes: tuple[float, float], held: tuple[fs.Support, ...], joint: fs.Joint) -> float:
+    """First frequency of two rigid slabs of 1.2 m x 1.2 m side by side, 24 kg/m^2 [Hz]."""
+    parts = tuple(
+        slab(name, mesh, (1.2, 1.2), origin=(x, 0.0, 0.0), material=STIFF, thickness=0.024)
+        for name, mesh, x in zip("ab", meshes, (0.0, 1.2), strict=True)
+    )
+    model = fs.mesh_structure(fs.Structure("elastic", parts, (joint,), supports=held))
+    assert sum(one.stiffness.sum() for one in model.elastics) == pytest.approx(1.2 * 5e4, rel=1e-9)  # rounding
+    assert {one.code for one in joint_spring_findings(model)} == set()
+    return float(fs.modal_basis(fs.assemble(model), count=1).frequency_hz[0])
+
+
+@pytest.mark.parametrize("meshes", MESHES)
+def test_springs_per_length_of_a_joint_are_those_of_the_line_whatever_the_meshes(meshes: tuple[float, float]) -> None:
+    """Rigid slabs: one that shifts on the line alone, and two that fold at it, turning by 2 w / a: the energy is
+    k b (2 w / a)^2 / 2, the inertia of both 2 m a^2 / 3 about their far edges."""
+    mass = 24.0 * 1.2**2
+    whole = fs.Support("whole", "clamped", on="a")
+    guide = fs.Support("guide", ("x", "y", "rx", "ry", "rz"), on="b")
+    shift = fs.Joint("line", "a", "b", stiffness={"z": 5e4}, per="length")
+    right = np.sqrt(5e4 * 1.2 / mass) / (2.0 * np.pi)
+    assert elastic(meshes, (whole, guide), shift) == pytest.approx(right, rel=1e-4)  # slabs that hardly bend
+    edges = tuple(
+        fs.Support(f"s{part}", ("x", "y", "z"), on=part, region=fs.Region("set", named=f"side {side}"))
+        for part, side in (("a", 4), ("b", 2))
+    )
+    fold = fs.Joint("line", "a", "b", stiffness={"ry": 5e4}, per="length")
+    right = np.sqrt(6.0 * 5e4 * 1.2 / (mass * 1.2**2)) / (2.0 * np.pi)
+    assert elastic(meshes, edges, fold) == pytest.approx(right, rel=1e-3)  # slabs that hardly bend
+
+
+def test_stiff_springs_per_length_are_a_rigid_joint() -> None:
+    parts = slab("a", 0.1, (1.2, 1.2)), slab("b", 0.13, (1.2, 1.2), origin=(1.2, 0.0, 0.0))
+    held = (("a", "side 4"), ("b", "side 2"))
+    stiff = dict.fromkeys(("x", "y", "z", "rx", "ry", "rz"), 1e12)
+    sprung = first(parts, held, stiffness=stiff, per="length")
+    assert sprung == pytest.approx(first(parts, held), rel=5e-3)  # all points of the line are held, not their means
+
+
+def test_springs_per_length_of_ribs_and_what_has_no_line() -> None:
+    """Bars beside nodes: the length of the rib; a post, an area and solids have none."""
+    rib = fs.Frame("rib", WOOD, rectangle("b", 0.06, 0.1), RIB, mesh=0.1)
+    floor = slab("floor", 0.1, (2.0, 1.2))
+    joint = fs.Joint("glue", "rib", "floor", stiffness={"z": 3e6}, per="length")
+    model = fs.mesh_structure(fs.Structure("r", (floor, rib), (joint,)))
+    assert model.elastics[0].stiffness.sum() == pytest.approx(3e6 * np.hypot(1.8, 0.94), rel=1e-9)  # rounding
+    post = fs.Frame("post", WOOD, rectangle("b", 0.06, 0.1), (((0.55, 0.85, 0.0), (0.55, 0.85, -1.0)),), mesh=0.5)
+    cubes = fs.Solid("p", block(0.0, 2), CONCRETE), fs.Solid("q", block(1.0, 3), CONCRETE)
+    for parts in ((floor, post), (floor, slab("upper", 0.1, (2.0, 1.2))), cubes):
+        kind = "pinned" if parts is cubes else "rigid"
+        joint = fs.Joint("j", parts[0].name, parts[1].name, kind, stiffness={"z": 1e6}, per="length")  # type: ignore
+        with pytest.raises(InputError, match="do not touch along lines"):
+            fs.mesh_structure(fs.Structure("r", parts, (joint,)))
+
+
+def test_springs_per_length_are_written_with_their_unit(tmp_path: Path) -> None:
+    outline = "outline: [[0, 0], [1, 0], [1, 1], [0, 1]], mesh: 0.5"
+    text = f"""materials: {{c: {{E: 11 GPa, nu: 0.3, rho: 450}}}}
+parts:
+  a: {{type: slab, material: c, thickness: 40 mm, {outline}}}
+  b: {{type: slab, material: c, thickness: 40 mm, {outline}, origin: [1, 0, 0]}}
+joints: {{j: {{connect: [a, b], stiffness: {{z: 3 MN/m^2, ry: 40 kN*m/m}}}}}}
+"""
+    path = tmp_path / "m.yaml"
+    for per, written in (("length", text), ("pair", text.replace("MN/m^2", "MN/m").replace("kN*m/m", "kN*m"))):
+        path.write_text(written, encoding="utf-8")
+        (joint,) = read_model(path).structure.joints
+        assert (joint.per, dict(joint.stiffness)) == (per, {"z": 3e6, "ry": 4e4})

@@ -159,6 +159,10 @@ MISTAKES = {
     "negative stiffness of a joint": (MODEL, "{connect: [edge, floor]}",
         "{connect: [edge, floor], stiffness: {x: -1 N/m}}", "-1 N/m",
         r"joints\.edge on floor\.stiffness\.x: got '-1 N/m', expected a stiffness of at least 0; remove the sign"),
+    "joint with springs per length and by node": (MODEL, "{connect: [edge, floor]}",
+        "{connect: [edge, floor], stiffness: {x: 1 N/m^2, z: 1 N/m}}", "1 N/m}}",
+        r"joints\.edge on floor\.stiffness\.z: got a stiffness of springs at pairs of nodes beside one per length, "
+        r"expected N/m\^2, per length, as the others"),
     "layer without stiffness": (MODEL, "{normal: 2.21e5 N/m^2, shear: 7.3e4 N/m^2}", "{normal: 0 N/m^2}", "{normal: 0",
         r"parts\.foam\.stiffness: got no stiffness at all, expected a positive normal or shear stiffness"),
     "negative stiffness of a layer": (MODEL, "normal: 2.21e5 N/m^2", "normal: -2.21e5 N/m^2", "-2.21e5",

@@ -17,7 +17,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.model.fastened import Elastic, Tie
 from femstruct.model.grid.bars_on_plates import pieces_of, touching_face
-from femstruct.model.grid.sliding import across_lines
+from femstruct.model.grid.sliding import across_lines, refuse_lengths
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 from femstruct.model.rows import carried, node_rows, sparse_rows
@@ -88,9 +88,13 @@ def bars_on_cells(
         slides = feet.relative(along[:, 1], np.hstack([directions, np.zeros_like(directions)]))
         stiffness = item.slip * lengths
     elif springy:
-        free = np.tile(np.eye(_SIX)[springy], (len(nodes), 1))
-        slides, directions = feet.relative(np.repeat(all_of, len(springy)), free), free[:, :3]
-        stiffness = np.tile(values, len(nodes))
+        each, shares = all_of, np.ones(len(nodes))
+        if item.per == "length":
+            each, shares = along[:, 1], lengths
+            refuse_lengths(item, not len(each))
+        free = np.tile(np.eye(_SIX)[springy], (len(each), 1))
+        slides, directions = feet.relative(np.repeat(each, len(springy)), free), free[:, :3]
+        stiffness = np.outer(shares, values).ravel()
     else:
         return none, None
     zero = np.zeros(len(stiffness))

@@ -11,11 +11,11 @@ from femstruct.errors import InputError, some_of
 from femstruct.model.anchors import listed, places_of, point_rows
 from femstruct.model.equations.bars_on_cells import bars_on_cells, feet_beside_nodes
 from femstruct.model.equations.unlike_faces import unlike_area
-from femstruct.model.equations.unlike_lines import Line, of_line, unlike_line
+from femstruct.model.equations.unlike_lines import Line, in_components, unlike_line
 from femstruct.model.fastened import Elastic, Tie
 from femstruct.model.grid.bars_on_plates import contact, turning_rows
 from femstruct.model.grid.joined_nodes import box_pairs, coincident_pairs, joined_nodes
-from femstruct.model.grid.sliding import sliding
+from femstruct.model.grid.sliding import lengths_of, refuse_lengths, sliding
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 from femstruct.model.rows import node_rows
@@ -156,8 +156,11 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
     held = tie if len(tie.directions) else None
     if not springy:
         return held, None
-    relative = _relative(item.name, pairs, at, np.eye(N_COMPONENTS)[springy], model)
-    stiffness = np.tile(values, len(pairs))
+    which, shares = np.arange(len(pairs)), np.ones(len(pairs))
+    if item.per == "length":
+        which, shares = lengths_of(item, pairs, (one, other), model.mesh.points)
+    relative = _relative(item.name, pairs[which], at[which], np.eye(N_COMPONENTS)[springy], model)
+    stiffness = np.outer(shares, values).ravel()
     elastic = Elastic(
         item.name, relative.rows, stiffness, np.zeros(stiffness.size), relative.directions, grounded=False
     )
@@ -182,25 +185,32 @@ def _along_line(
     if item.kind != "pinned":
         turns = _tied(_ROTATIONS, springy, axes)
         tied = np.concatenate([tied, np.broadcast_to(turns, (count, *turns.shape))], axis=1)
-    held = Tie(item.name, of_line(line, tied), tied[..., :3].reshape(-1, 3), grounded=False) if tied.size else None
+    held = (
+        Tie(item.name, in_components(line.rows, tied), tied[..., :3].reshape(-1, 3), grounded=False)
+        if tied.size
+        else None
+    )
     if item.kind == "sliding":
         slides = np.zeros((count, 1, N_COMPONENTS))
         slides[:, 0, :3] = line.along
         stiffness = item.slip * line.lengths
         nothing = np.zeros(count)
-        return held, Elastic(item.name, of_line(line, slides), stiffness, nothing, line.along, grounded=False)
+        return held, Elastic(
+            item.name, in_components(line.rows, slides), stiffness, nothing, line.along, grounded=False
+        )
     if not springy:
         return held, None
     free = np.eye(N_COMPONENTS)[springy]
-    stiffness = np.tile(values, count)
-    directions = np.tile(free[:, :3], (count, 1))
-    return held, Elastic(
-        item.name, of_line(line, free), stiffness, np.zeros(stiffness.size), directions, grounded=False
-    )
+    rows, shares = (line.places, line.weights) if item.per == "length" else (line.rows, np.ones(count))
+    stiffness = np.outer(shares, values).ravel()
+    directions = np.tile(free[:, :3], (len(shares), 1))
+    sprung = in_components(rows, free)
+    return held, Elastic(item.name, sprung, stiffness, np.zeros(stiffness.size), directions, grounded=False)
 
 
 def _over_area(item: Joint, area: csr_array, springs: tuple[list[int], Floats]) -> tuple[Tie | None, Elastic | None]:
     """A joint over an area on which the meshes of two solids do not match: every node of one follows the other."""
+    refuse_lengths(item, item.per == "length")
     springy, values = springs
     count = area.shape[0]
     held, free = (np.eye(N_COMPONENTS)[some] for some in ([one for one in _SHIFTS if one not in springy], springy))

@@ -25,7 +25,8 @@ class Line(NamedTuple):
 
     rows [6 m, n_nodes * 7] : their motion less that of the other, in the mean over what belongs to each: shifts and
     rotations along global axes. lengths [m] : what belongs to each [m]. along [m, 3] : the line there. first : whether
-    they are of the first part.
+    they are of the first part. places [6 g, n_nodes * 7] : the same motion at Gauss points of the line, and their
+    weights [g] [m].
     """
 
     nodes: Integers
@@ -33,6 +34,8 @@ class Line(NamedTuple):
     lengths: Floats
     along: Floats
     first: bool
+    places: csr_array
+    weights: Floats
 
 
 class _Touch(NamedTuple):
@@ -190,7 +193,8 @@ def _line(touch: _Touch, part: Meshed, other: Meshed, n_nodes: int, first: bool)
     )
     at = touch.at.reshape(-1, 3)
     motions = [sparse_rows(*one.motion_on_cells(at), n_nodes) for one in (part, other)]
-    rows = csr_array(mean @ (motions[0] - motions[1]))
+    apart = csr_array(motions[0] - motions[1]) if first else csr_array(motions[1] - motions[0])
+    rows = csr_array(mean @ apart)
     rows.data[np.abs(rows.data) < 1e-14] = 0.0  # rounding of factors, which are about 1
     rows.eliminate_zeros()
     ends = part.places[touch.ends - part.first]
@@ -201,16 +205,16 @@ def _line(touch: _Touch, part: Meshed, other: Meshed, n_nodes: int, first: bool)
     for end in (0, 1):
         np.add.at(along, owner[touch.counts[:, end] > 0.0, end], step[touch.counts[:, end] > 0.0])
     along /= np.linalg.norm(along, axis=1)[:, None]
-    return Line(nodes, rows if first else csr_array(-rows), lengths, along, first)
+    return Line(nodes, rows, lengths, along, first, apart, touch.weights.ravel())
 
 
-def of_line(line: Line, components: Floats) -> csr_array:
-    """Relative motion of the first part and the second [m * c, n_nodes * 7] in components [c, 7] or [m, c, 7]."""
-    m = len(line.nodes)
+def in_components(rows: csr_array, components: Floats) -> csr_array:
+    """Relative motion [6 m, n_nodes * 7] of a line in components [c, 7] or [m, c, 7]: [m * c, n_nodes * 7]."""
+    m = rows.shape[0] // 6
     each = np.broadcast_to(components, (m, *components.shape[-2:]))[..., :6]
     count = each.shape[1]
     row = np.repeat(np.arange(m * count), 6)
     column = np.tile(6 * np.arange(m)[:, None, None] + np.arange(6), (1, count, 1)).ravel()
     chosen = csr_array((each.ravel(), (row, column)), shape=(m * count, 6 * m))
     chosen.eliminate_zeros()
-    return csr_array(chosen @ line.rows)
+    return csr_array(chosen @ rows)

@@ -64,6 +64,41 @@ def _lines(pairs: Integers, parts: tuple[Meshed, Meshed], points: Floats) -> tup
     return order, np.tile(spread[2][0], (len(order), 1)), lengths
 
 
+def lengths_of(item: Joint, pairs: Integers, parts: tuple[Meshed, Meshed], points: Floats) -> tuple[Integers, Floats]:
+    """Which pairs [m] of a joint are on lines on which both parts run, and the lengths that belong to them [m] [m].
+
+    Raises InputError where the parts touch at single places, or over an area.
+    """
+    numbers, lengths = np.zeros(0, np.int64), np.zeros(0)
+    for side, part in sorted(enumerate(parts), key=lambda one: not len(one[1].lines)):
+        cells, nodes = part.quads, pairs[:, side]
+        if len(part.lines):
+            ends = part.lines
+        else:
+            refuse_lengths(item, bool(np.isin(cells, nodes).all(axis=1).any()))
+            ends = np.concatenate([cells[:, [i, (i + 1) % 4]] for i in range(4)]).reshape(-1, 2)
+        ends = np.unique(np.sort(ends[np.isin(ends, nodes).all(axis=1)], axis=1), axis=0)
+        halves = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1) / 2.0
+        if halves.sum() > lengths.sum() and not len(numbers):
+            order = np.argsort(nodes)
+            found, which = np.unique(ends, return_inverse=True)
+            lengths = np.bincount(which.ravel(), np.repeat(halves, 2)).astype(np.float64)
+            numbers = order[np.searchsorted(nodes[order], found)]
+    refuse_lengths(item, not len(numbers))
+    return numbers, lengths
+
+
+def refuse_lengths(item: Joint, wrong: bool) -> None:
+    """Raise InputError for springs per length of a joint that has no line."""
+    if wrong:
+        raise InputError(
+            f"joints.{item.name}.stiffness",
+            got=f"springs per length, and {item.a} and {item.b} that do not touch along lines",
+            expected="a stiffness of the springs at each pair of nodes",
+            do="write N/m, and N*m/rad for rotations",
+        )
+
+
 def across_lines(count: int, which: Integers, along: Floats, axes: Floats) -> tuple[Integers, Floats]:
     """What is held of `count` pairs: numbers of pairs [r] and directions [r, 3], across those that slide.
 

@@ -134,7 +134,8 @@ def _slip(plate: PlateMesh, line: RibLine) -> float:
     for axis, direction in enumerate(("x", "y", "z")):
         if direction in line.joint.stiffness and abs(along[axis]) > 0.7:
             stiffness = line.joint.stiffness[direction]
-            return float(np.pi**2 * line.spacing / (stiffness * line.length**2)) if stiffness > 0.0 else np.inf
+            spacing = 1.0 if line.joint.per == "length" else line.spacing
+            return float(np.pi**2 * spacing / (stiffness * line.length**2)) if stiffness > 0.0 else np.inf
     return 0.0
 
 

@@ -33,7 +33,7 @@ def joint_spring_findings(model: Model) -> tuple[Finding, ...]:
     for joint in model.structure.joints:
         values = {axis: joint.stiffness[axis] for axis in DIRECTIONS if joint.stiffness.get(axis)}
         springs = [one for one in model.elastics if one.name == joint.name]
-        if not values or not springs:
+        if not values or not springs or joint.per == "length":
             continue
         joined = np.unique(springs[0].rows.indices // N_COMPONENTS).astype(np.int64)
         parts = [model.parts[name] for name in (joint.a, joint.b)]
@@ -47,7 +47,8 @@ def joint_spring_findings(model: Model) -> tuple[Finding, ...]:
             Finding(
                 "joint-springs-by-node",
                 f"{joint.name}: the joint of {joint.a} and {joint.b} has a spring at each of {count} pairs of nodes, "
-                f"together {total}. With another mesh it has more or fewer, and another stiffness",
+                f"together {total}. With another mesh it has more or fewer, and another stiffness. "
+                "Write it per length of the line",
                 {"springs": count},
             )
         )
