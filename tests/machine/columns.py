@@ -186,9 +186,8 @@ def _frf(rng: np.random.Generator, one: Subject) -> Case:
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = door.ask(finer, "frf", "--drive", drive, "--response", response, "--band",
-                             f"{lines[0]} Hz:{lines[-1]} Hz", "--step", f"{step}",
-                             "--kind", kind, *directly)  # fmt: skip
+            words = ("--drive", drive, "--response", response, "--band", f"{lines[0]} Hz:{lines[-1]} Hz")
+            found = door.ask(finer, "frf", *words, "--step", f"{step}", "--kind", kind, *directly)
             return np.array([np.hypot(found["real"], found["imag"]).max()])
 
         answer = one.refine(model, ask)

@@ -27,6 +27,7 @@ _STATED: Final = {
     "model": ("materials", "sections", "parts", "joints", "supports", "constraints", "damping", "structure"),
     "study": ("bodies", "contacts", "links", "loads", "rooms", "vibration"),
 }
+_PLACES: Final = ("RegionSpec", "OthersSpec")  # where: one key, however it is written
 _SAYS_HOW: Final = ("mesh", "modes", "through", "order")  # how finely, not what
 _LOSES: Final = ("loss_factor", "damping", "ratio", "rayleigh", "dissipation", "losses")
 _QUANTITY: Final = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\D.*)$")  # a number and its unit
@@ -39,6 +40,20 @@ def schema(kind: str) -> Any:
     return json.loads(femstruct("schema", kind).stdout)
 
 
+class _Noted(dict[str, Any]):
+    """An answer of `modes` whose damping ratios, where they are looked at, are losses."""
+
+    def __init__(self, answer: Mapping[str, Any], columns: set[str]) -> None:
+        super().__init__(answer)
+        self._columns = columns
+
+    def __getitem__(self, key: str) -> Any:
+        if key == "damping_ratio":
+            self._columns -= {"modes"}
+            self._columns |= {"losses"}
+        return super().__getitem__(key)
+
+
 @dataclass
 class _Watched(Door):
     """Knows what it was asked for."""
@@ -47,7 +62,7 @@ class _Watched(Door):
 
     def ask(self, model: Model, command: str, *words: str, **more: Any) -> dict[str, Any]:
         self.columns |= _columns(model, command, words)
-        return super().ask(model, command, *words, **more)
+        return _Noted(super().ask(model, command, *words, **more), self.columns)
 
     def histories(self, model: Model, **beside: Model) -> dict[str, Floats]:
         self.columns |= _columns(model, "run", ())
@@ -112,7 +127,8 @@ def leaves(value: Any, node: Schema, root: Schema, name: str, path: Path_) -> It
         base = f"{name} {_word(kind)}".strip()
         for key, one in value.items():
             if key in kind.get("properties", {}):
-                yield from leaves(one, kind["properties"][key], root, f"{base}.{key}", (*path, key))
+                inside = name if kind.get("title") in _PLACES else f"{base}.{key}"
+                yield from leaves(one, kind["properties"][key], root, inside, (*path, key))
             elif isinstance(kind.get("additionalProperties"), Mapping):
                 yield from leaves(one, kind["additionalProperties"], root, name, (*path, key))
     elif isinstance(value, list | tuple):
@@ -133,7 +149,8 @@ def keys_of(node: Schema, root: Schema, name: str, seen: tuple[str, ...] = ()) -
             base = f"{name} {_word(kind)}".strip()
             for key, one in kind["properties"].items():
                 if key not in _SAYS_HOW:
-                    yield from keys_of(one, root, f"{base}.{key}", inside)
+                    below = name if kind.get("title") in _PLACES else f"{base}.{key}"
+                    yield from keys_of(one, root, below, inside)
         elif kind.get("type") == "array":
             for one in kind.get("prefixItems", [kind.get("items", {})]):
                 yield from keys_of(one, root, name, seen)
