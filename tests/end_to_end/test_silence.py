@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from math import isnan
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -99,3 +100,15 @@ def test_the_other_case_is_heard_and_nothing_is_said_of_rounding(ran: tuple[dict
     assert not beside["modes_db_by_channel"].get("under.mic pressure")
     assert not beside["modes_db_by_channel"].get("below.z velocity")
     assert not beside["bands_db_by_receiver"]["under.mic"]
+
+
+def test_open_air_beside_what_stands_still(tmp_path: Path) -> None:
+    """Nobody listens: the energy is 0, and why is said."""
+    text = STUDY[: STUDY.index("frf:")] + "rooms: {outside: {above: third}}\n" + STUDY[STUDY.index("cases:") :]
+    (tmp_path / "m.yaml").write_text(MODEL.replace("surfaces: {", "surfaces: {third: {on: lower, side: above}, "))
+    (tmp_path / "s.study.yaml").write_text(text, encoding="utf-8")
+    told = femstruct("run", "s.study.yaml", "--no-pictures", "--json", cwd=tmp_path)
+    cases = json.loads(told.stdout)["cases"]
+    assert cases["upper"]["sound_energy"]["outside"]["energy_j"] == 0.0
+    codes = {name: {one["code"] for one in case["findings"]} for name, case in cases.items()}
+    assert "room-silent" in codes["upper"] - codes["lower"]

@@ -51,7 +51,9 @@ def sound_energy(result: StudyResult, room: str) -> Figure | None:
     width = 0.8 / len(cases)
     for number, (name, energy) in enumerate(cases.items()):
         x = np.arange(len(bands)) + (number - (len(cases) - 1) / 2) * width
-        label = f"{name}: L_J {energy.level_db:.1f} dB, L_JA {energy.weighted_db:.1f} dB"
+        radiates = isfinite(energy.level_db)
+        levels_of = f"L_J {energy.level_db:.1f} dB, L_JA {energy.weighted_db:.1f} dB" if radiates else "nothing"
+        label = f"{name}: {levels_of}"
         above.bar(x, np.maximum(levels[name] - floor, 0.0), width, bottom=floor, color=colours[name], label=label)
         efficiency = np.array([energy.bands_efficiency.get(band, np.nan) for band in bands])
         shown = np.where(efficiency > LEAST_EFFICIENCY_SHOWN, efficiency, np.nan)

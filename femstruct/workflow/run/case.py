@@ -28,7 +28,7 @@ from femstruct.workflow.continuation.room_ensembles import Drops, room_ensembles
 from femstruct.workflow.continuation.statistical_findings import statistical_findings
 from femstruct.workflow.continuation.statistical_rooms import statistical_rooms
 from femstruct.workflow.judgement.all_findings import all_findings
-from femstruct.workflow.judgement.blank_bands import blank_findings
+from femstruct.workflow.judgement.blank_bands import blank_findings, room_silent
 from femstruct.workflow.judgement.coarse_sampling import coarse_sampling
 from femstruct.workflow.judgement.impact_findings import room_findings
 from femstruct.workflow.judgement.meeting import meeting_findings
@@ -104,7 +104,7 @@ def run_case(
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 by_surface = shares_by_surface(study, own.places, whole.response, basis.complete_below_hz)
-            told += found_of_sound
+            told += [*found_of_sound, *_silent(study, radiated)]
         findings += told_once({place: one.findings for place, one in struck.items()})
         rated = _rated(case, struck, own.places, vacuo, clock)
         told += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
@@ -169,6 +169,12 @@ def _rated(
     with clock("levels", case.name):
         beside = reduced_rooms(study, statistical_rooms(study, len(runs)), ensembles)
         return rate_rooms(study, [one.bands_db for one in runs], *beside)
+
+
+def _silent(study: Study, radiated: Mapping[str, Radiated]) -> list[tuple[str, Finding]]:
+    """What is to be known of open air where nobody listens and that nothing moves, by room."""
+    still = {name for name, one in radiated.items() if one.energy.energy_j == 0.0}
+    return [(plan.name, room_silent()) for plan in study.rooms if plan.name in still and not plan.receivers]
 
 
 def _of_bands(rated: Mapping[str, RatedRoom]) -> list[tuple[str, Advice | Finding]]:
