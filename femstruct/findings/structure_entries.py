@@ -123,7 +123,8 @@ STRUCTURE: Final = (
         "The study has gravity and nothing holds the part up.",
         FORBIDS,
         "gravity acts on a piece that can move along its weight",
-        "Add a support, layer or spring, or write 'gravity: false'.",
+        "Add a support, layer or spring, or write 'gravity: false'. Parts do not fall: start what is to strike with "
+        "its speed then, 'initial: {rigid: {about: POINT, velocity: [0, 0, -4.43 m/s]}}' for 1 m.",
     ),
     Entry(
         "nothing-holds-it",

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from femstruct.language.model.model import ModelSpec
+from femstruct.language.not_computed import FALLING_PARTS
 from femstruct.language.patch import groups, study_schema
 from femstruct.language.yaml import Here, Mistakes, Tree, mapping_in
 
@@ -69,7 +70,9 @@ def check_names(model: Tree | None, study: Tree | None, mistakes: Mistakes) -> N
                         name not in seen,
                         f"'{name}', which names one of the {seen.get(name)} already",
                         "one name for one thing",
-                        "rename one",
+                        f"rename one; {FALLING_PARTS}"
+                        if (seen.get(name), group) == ("parts", "bodies")
+                        else "rename one",
                         of_key=True,
                     )
                     seen.setdefault(name, group)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar, Final
 
 from femstruct.errors import FemstructError
+from femstruct.language.not_computed import FALLING_PARTS, instead_of
 from femstruct.language.yaml import Here, Refers, Spec, Text
 from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.part import Part
@@ -43,6 +44,7 @@ class PartSpec(Spec):
     """
 
     known_as: ClassVar[tuple[str, ...]] = ()
+    instead = instead_of(FALLING_PARTS, "drop_height", "falls", "gravity", "speed", "velocity")
     type: str
 
     def build(self, name: str, of: Library) -> Part:

@@ -44,7 +44,10 @@ class SlabSpec(DeckSpec):
 
     makes = Slab
     known_as = ("part", "plate or shell", "plate or frame", "plate, slab or block", MESHED, STRESSED, FLOOR, CEILING)
-    instead = (("size", "outline", "for a rectangle of 5 m by 4 m write outline: [[0, 0], [5, 0], [5, 4], [0, 4]]"),)
+    instead = (
+        *DeckSpec.instead,
+        ("size", "outline", "for a rectangle of 5 m by 4 m write outline: [[0, 0], [5, 0], [5, 4], [0, 4]]"),
+    )
     type: Literal["slab"]
     outline: Annotated[list[Position2], Field(min_length=4)]
     mesh: Annotated[float, read_by(_cells, CellSide), Field(description="largest side of an element [m]")]

@@ -11,6 +11,7 @@ from femstruct.impact.laws.law import Law
 from femstruct.impact.scene.impact_sources import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE, scattered
 from femstruct.language.laws.known_laws import AnyLaw
 from femstruct.language.laws.law import Ends, LawSpec, Site
+from femstruct.language.not_computed import FALLING_PARTS, instead_of
 from femstruct.language.study.sources.covering import CoveringSpec
 from femstruct.language.study.sources.standard_source import (
     SCATTERED,
@@ -87,6 +88,7 @@ class BodySpec(Spec):
     hertz law without a radius uses this one.
     """
 
+    instead = instead_of(FALLING_PARTS, "part", "parts", "structure")
     one_of = (SIDES,)
     at_most_one_of = (("drop_height", "speed"),)
     model_config = brought("mass")

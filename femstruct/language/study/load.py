@@ -11,6 +11,7 @@ from femstruct.files.inputs.columns import read_footstep, read_history
 from femstruct.files.inputs.opening import beside
 from femstruct.impact.scene.bodies import HalfSine
 from femstruct.impact.scene.walking import PACES_HZ, Walk, design_harmonics
+from femstruct.language.not_computed import BASE_IN_TIME, GROUND, instead_of
 from femstruct.language.study.request import spot_of
 from femstruct.language.yaml import (
     Count,
@@ -76,6 +77,7 @@ class LoadSpec(Spec):
     a stiff force plate, positive downwards, at POINT.z."""
 
     one_of = (("at", "body", "on", "along"), ("half_sine", "file", "walking", "footstep"))
+    instead = instead_of(BASE_IN_TIME, "base", "acceleration", "displacement", "velocity")
     needs = (("along", ("walking",)), ("walking", ("along",)), ("footstep", ("at",)))
 
     at: Text | None = None
@@ -98,7 +100,10 @@ class LoadSpec(Spec):
     def check_in(self, here: Here, bodies: Collection[str]) -> None:
         """Note what is wrong with it; bodies : names of all, those of arrays too."""
         if self.at is not None:
-            here.at("at").spot(self.at)
+            if here.at("at").need(
+                not self.at.startswith(GROUND), f"'{self.at}'", "a direction of a point", BASE_IN_TIME
+            ):
+                here.at("at").spot(self.at)
             vertical = self.footstep is None or self.at.endswith(".z")
             here.at("at").need(vertical, f"a footstep along '{self.at}'", "POINT.z: feet press downwards")
         if self.body is not None and self.body not in bodies:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+from femstruct.language.not_computed import BASE_IN_TIME, FALLING_PARTS, GROUND, instead_of
 from femstruct.language.study.request import spot_of
 from femstruct.language.yaml import Here, Measured, Quantity, Refers, Spec, Speed, Text
 from femstruct.study.acting import InitialMotion, RigidMotion
@@ -15,6 +16,7 @@ class RigidMotionSpec(Spec):
     """A structure that moves as a whole."""
 
     makes = RigidMotion
+    instead = instead_of(FALLING_PARTS, "drop_height", "falls", "gravity")
     about: Annotated[Text, Refers()]
     velocity: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)
     spin: tuple[Spin, Spin, Spin] = (0.0, 0.0, 0.0)
@@ -26,12 +28,20 @@ class InitialSpec(Spec):
     at_most_one_of = (("velocity", "rigid"),)
 
     makes = InitialMotion
+    instead = (
+        *instead_of(FALLING_PARTS, "drop_height", "falls", "gravity"),
+        *instead_of(BASE_IN_TIME, "base", "ground", "acceleration"),
+    )
     velocity: dict[str, Annotated[Measured, Quantity(("speed", "angular speed"), which=True)]] | None = None
     rigid: RigidMotionSpec | None = None
 
     def check(self, here: Here) -> None:
         for address, measured in (self.velocity or {}).items():
             there, turns = here.at("velocity", address), address.rpartition(".")[2] in ("rx", "ry", "rz")
+            if not there.need(
+                not address.startswith(GROUND), f"'{address}'", "a direction of a point", BASE_IN_TIME, of_key=True
+            ):
+                continue
             there.spot(address, of_key=True)
             right, unit = ("angular speed", "rad/s") if turns else ("speed", "m/s")
             there.need(measured.dimension in (None, right), f"a {measured.dimension}", unit)

@@ -10,6 +10,7 @@ from pydantic import Field, create_model
 from femstruct.errors import shown_as
 from femstruct.language.evaluations.evaluation import EvaluationSpec
 from femstruct.language.evaluations.known_evaluations import KINDS
+from femstruct.language.not_computed import BASE_IN_TIME, instead_of
 from femstruct.language.rooms.known_rooms import AnyRoom
 from femstruct.language.study.body import BodySpec
 from femstruct.language.study.campaign.optimise import CampaignSpec
@@ -45,6 +46,8 @@ class CompareSpec(Spec):
 
 class StudyKeys(CampaignSpec):
     """The keys of a study file but those of the evaluations of recorded histories, a key each kind."""
+
+    instead = instead_of(BASE_IN_TIME, "base", "base_motion", "ground", "ground_motion", "earthquake")
 
     title: Text | None = None
     model: Text = Field(description="the model file, beside this one")

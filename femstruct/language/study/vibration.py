@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final, Literal, NamedTuple
 from femstruct.conventions import GRAVITY
 from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import shown_as
+from femstruct.language.not_computed import BASE_IN_TIME, instead_of
 from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.study.request import spot_of
 from femstruct.language.yaml import (
@@ -87,6 +88,7 @@ class VibrationSpec(Spec):
     with straight lines between them in double logarithmic paper. What is recorded answers."""
 
     makes = Vibration
+    instead = instead_of(BASE_IN_TIME, "file", "half_sine", "history", "time")
     one_of = (("at", "on", "base"), ("harmonic", "psd"))
     needs = (("duration", ("psd",)),)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Final, Literal
 
 from femstruct.errors import shown_as
+from femstruct.language.not_computed import BASE_IN_TIME, instead_of
 from femstruct.language.yaml import (
     FREQUENCY,
     Band,
@@ -59,6 +60,7 @@ class TimeSpec(Spec):
     """The window, how densely it is sampled, and whether there is gravity."""
 
     makes = TimePlan
+    instead = instead_of(BASE_IN_TIME, "base", "base_motion", "ground_motion", "acceleration")
     duration: Annotated[float, _Window(("time",), above=0.0)]
     sampling: Frequency
     gravity: Flag = False

@@ -88,7 +88,8 @@ def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:
         Finding(
             "nothing-carries-weight",
             f"{_names(piece)}: the study has gravity, and no support, layer or spring carries {piece.mass:.4g} kg: "
-            "the part falls or tips over. Support it, or set gravity: false",
+            "the part falls or tips over, which is not computed. Support it, or set gravity: false; to let it strike "
+            "start it with its speed then, initial: {rigid: {about: POINT, velocity: [0, 0, -4.43 m/s]}} for 1 m",
             {"mass_kg": piece.mass, "free_motions": len(piece.free)},
             severe=True,
         )
