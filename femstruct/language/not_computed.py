@@ -8,14 +8,14 @@ GROUND: Final = "ground."  # begins addresses of what does not move
 Instead = tuple[tuple[str, str, str], ...]
 
 BASE_IN_TIME: Final = (
-    "motion of the base in time is not computed: in place of the ground take a block of 1000 times the mass of what "
-    "stands on it, without supports, and push its centre with 'loads: {shock: {at: POINT.z, file: F}}', its mass times "
-    "the acceleration; for steady vibration of the base write 'vibration: {shaker: {base: z, ..}}'"
+    "motion of the base in time is not computed: in place of the ground take a block of 1000 times the mass, and push "
+    "it with its mass times the acceleration, 'loads: {shock: {at: POINT.z, file: F}}'; steady motion of the base is "
+    "'vibration: {NAME: {base: z, ..}}'"
 )
 FALLING_PARTS: Final = (
-    "parts do not fall: gravity moves bodies alone. Start the structure with the speed at which it strikes, "
-    "sqrt(2 g h): 'initial: {rigid: {about: POINT, velocity: [0, 0, -4.43 m/s]}}' for 1 m, with contacts to the "
-    "ground; a part that stays rigid can be a body, 'bodies: {NAME: {mass: 10 kg, above: ground, drop_height: 1 m}}'"
+    "parts do not fall: start the structure with its speed when it strikes, of 1 m "
+    "'initial: {rigid: {about: POINT, velocity: [0, 0, -4.43 m/s]}}', and contacts to the ground; or write a rigid "
+    "part as a body, 'bodies: {NAME: {mass: 10 kg, above: ground, drop_height: 1 m}}'"
 )
 
 
