@@ -83,6 +83,11 @@ FORBIDS = {
         bulk(more="NSM,7,PBAR,1,12.5", control="NSM = 7"),
         "1 NSM (line 21) [mass of cells, where the case control chooses it",
     ),
+    "mass on bars": (
+        bulk(more="CBAR,11,7,1,2,0.,0.,1.\nPBAR,7,1,1.-4,1.-8,1.-8,1.-8,3."),
+        "1 NSM of PBAR 7 (line 21) [3 of mass per length on bars; write masses]",
+    ),
+    "mass on rods": (bulk(more="CROD,11,7,1,2\nPROD,7,1,1.-4,,,4."), "1 NSM of PROD 7 (line 21) [4 of mass per len"),
     "a sum of sets": (
         bulk(more="NSM1,8,PSHELL,3.,1\nNSMADD,7,8", control="NSM = 7"),
         "1 NSM1 (line 21) [mass of cells, where the case control chooses it",

@@ -63,6 +63,7 @@ _OF_SHELLS: Final[Mapping[str, tuple[int, int, int, int]]] = {
     "CQUAD8": (14, 15, 10, 16),
     "CTRIA6": (8, 9, 10, 13),
 }
+_NSM_OF_BARS: Final = {"PBAR": 6, "PBEAM": 7, "PROD": 5, "PTUBE": 4}  # field of the mass per length
 _SPREAD: Final = ("NSM", "NSM1", "NSML", "NSML1")
 _CHOSEN_BY: Final[Mapping[str, tuple[str, ...]]] = {  # cards that act only where the case control names their set
     **dict.fromkeys(_SPREAD, ("NSM",)),
@@ -115,6 +116,9 @@ def _take(card: Card, bulk: Bulk, control: Control) -> None:
                 left.add(f"field {index + 2} of {name}", Makes.UNKNOWN, "a field that is not read", card.number)
     elif name in WITHOUT_EFFECT:
         left.add(name, Makes.NOTHING, WITHOUT_EFFECT[name], card.number)
+        if name in _NSM_OF_BARS and card.real(_NSM_OF_BARS[name], 0.0):
+            what = f"{card.real(_NSM_OF_BARS[name]):g} of mass per length on bars"
+            left.add(f"NSM of {name} {card.field(0)}", Makes.MASSES, what, card.number)
     elif _not_chosen(card, control):
         left.add(name, Makes.NOTHING, "the case control does not choose it", card.number)
     elif name in _SPREAD and set(control.masses) == {card.whole(0)} and nsm(card, bulk):
