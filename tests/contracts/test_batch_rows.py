@@ -342,6 +342,20 @@ def test_levels_in_a_room_are_those_of_full_runs(heard: Path) -> None:
     assert told <= set(quick.findings[0][0])
 
 
+def test_a_room_that_nothing_moves_has_no_levels_in_either(heard: Path) -> None:
+    """Below another plate that nothing joins to what is struck: it had -185 dB, of rounding errors."""
+    other = "other: {type: plate, material: steel, thickness: 2 mm, origin: [0, 0, 0], size: [0.5, 0.4], mesh: [10, 8]}"
+    model = PLATE.replace("parts: {", f"parts: {{{other}, ").replace("below: {on: plate", "below: {on: other")
+    model = model.replace("supports: {", "supports: {others: {on: other, edge: all, fix: simple}, ")
+    (heard.parent / "plate.yaml").write_text(model, encoding="utf-8")
+    full = sweep(read_campaign(heard), workers=1)
+    quick = sweep(read_campaign(heard, only=LEVELS), workers=1)
+    assert quick.made == BY_BATCH
+    for rows in (full, quick):
+        assert all("room-silent" in codes for codes in rows.findings[0])
+        assert not any(np.isfinite(rows.of(name)).any() for name in LEVELS if name in rows.names)
+
+
 def test_rooms_that_a_batch_cannot_hear_are_run_in_full(heard: Path) -> None:
     only, text = list(LEVELS[:1]), heard.read_text(encoding="utf-8")
     assert by_batch(read_campaign(heard, only=only))

@@ -18,10 +18,11 @@ from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ModalBasis
 from femstruct.sound.heard_pushes import PushTransfer, push_transfer
-from femstruct.sound.surface import moving_modes, surface_velocities
+from femstruct.sound.surface import at_rest, moving_modes, surface_velocities
 from femstruct.study.asked import RoomPlan
 from femstruct.study.room_surfaces import placed_room
 from femstruct.study.study import Study
+from femstruct.workflow.judgement.blank_bands import room_silent
 from femstruct.workflow.run.case import known_of_rooms
 from femstruct.workflow.stages.places import Places
 
@@ -66,7 +67,7 @@ def heard_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, c
     nt, dt = len(response.t), 1.0 / clock.sampling
     rooms = [room for room in study.rooms if room.room.keeps_transfers]
     told: list[Advice | Finding] = [one for _, one in known_of_rooms(study, places, basis, basis)]
-    kept, ends = [], []
+    kept, ends, silent = [], [], []
     for room in rooms:
         placed, end = placed_room(room, places.surfaces), room.heard_to_hz(basis.complete_below_hz)
         heard, one = room.room.pressures_to_keep(surface_velocities([response], placed), room.receivers, end)
@@ -75,6 +76,8 @@ def heard_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, c
         told += heard[0].findings
         kept.append((one, moving_modes([response], placed)))
         ends.append(end)
+        silent.append(at_rest(response, placed))
+    told += [room_silent()] * any(silent)
     made: dict[bytes, list[PushTransfer]] = {}
 
     def transfers(shares: Floats) -> list[PushTransfer]:
@@ -86,8 +89,8 @@ def heard_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, c
 
     def of(moments: Floats, shares: Floats) -> Floats:
         found = []
-        for room, transfer, end in zip(rooms, transfers(shares), ends, strict=True):
-            pressures = transfer.pressures(moments)
+        for room, transfer, end, still in zip(rooms, transfers(shares), ends, silent, strict=True):
+            pressures = transfer.pressures(moments) * (not still)
             found.append([_levels(room, response.t, p, end) for p in pressures])
         return np.concatenate(found, axis=1)
 
