@@ -158,7 +158,8 @@ class AccuracyRule:
 @checked("limits")
 class Limit:
     """What should not be exceeded: by the largest |value| of a recorded channel ("die.z displacement"), in its unit,
-    by the time to rest ("settled") [s], or by the rating of a room ("bedroom rating") [dB].
+    by the time to rest ("settled") [s], by the rating of a room ("bedroom rating") [dB], or by the force on the ground
+    with the weight of all that stands there ("ground force with weight") [N].
 
     room : whose rating it is; "" for the others.
 

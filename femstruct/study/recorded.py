@@ -10,6 +10,8 @@ from femstruct.arrays import Floats
 from femstruct.reported import Reported
 
 NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
+WITH_WEIGHT: Final = " with weight"
+GROUND_WITH_WEIGHT: Final = f"ground force{WITH_WEIGHT}"  # a channel where a limit is of it
 DAMPED_FORCE: Final = "with its share of the damping of the modes"
 
 

@@ -13,6 +13,7 @@ from femstruct.language.rooms.room import RoomSpec
 from femstruct.language.study.record import QUANTITIES
 from femstruct.language.yaml import Here, Measured, Quantity, nearest, read_by
 from femstruct.study.asked import SETTLED
+from femstruct.study.recorded import GROUND_WITH_WEIGHT, WITH_WEIGHT
 
 RATED: Final = "rating"  # ROOM rating
 _LINEAR: Final = {
@@ -53,10 +54,15 @@ Limits = Annotated[dict[str, LimitValue], read_by(_with_names, dict[str, LimitVa
 
 
 def check_limits(
-    here: Here, limits: Mapping[str, Measured], records: Mapping[str, Collection[str]], rooms: Mapping[str, RoomSpec]
+    here: Here,
+    limits: Mapping[str, Measured],
+    records: Mapping[str, Collection[str]],
+    rooms: Mapping[str, RoomSpec],
+    gravity: bool,
 ) -> None:
     """Every limit is of something that is recorded or rated, or of the time to rest, and in its dimension."""
     recorded = [f"{target} {what}" for target, wanted in records.items() for what in wanted]
+    weighed = [GROUND_WITH_WEIGHT] if "ground force" in recorded else []
     rated = [f"{name} {RATED}" for name, room in rooms.items() if room.receivers and set(room.standards) - {FIELD}]
     for name, limit in limits.items():
         there, room = here.at("limits", name), limited_room(name)
@@ -65,7 +71,10 @@ def check_limits(
             got = f"a limit of the rating of '{room}', which {'has no receivers' if deaf else 'is not rated'}"
             add = "receivers: {..}" if deaf else f"levels: [{FIELD}, {RATING}]"
             there.wrong(got, "a rated room", f"add '{add}' under 'rooms.{room}'", of_key=True)
-        elif name not in (SETTLED, *recorded, *rated):
+        elif name.endswith(WITH_WEIGHT) and not (gravity and name == GROUND_WITH_WEIGHT in weighed):
+            got, expected = f"'{name}'", "'ground force with weight' of a study that records it under gravity"
+            there.wrong(got, expected, _weighing(name, gravity), of_key=True)
+        elif name not in (SETTLED, *weighed, *recorded, *rated):
             expected = f"a recorded channel, TARGET QUANTITY, a rated room, ROOM {RATED}, or {SETTLED}"
             there.wrong(f"'{name}'", expected, _what_to_do(name, recorded, rated), of_key=True)
         elif limit.dimension is not None:
@@ -75,6 +84,13 @@ def check_limits(
             if named is not None:
                 expected, do = f"{named.words} [{named.unit}]", f"write it like {named.example}"
             there.need(limit.dimension == wanted, DIMENSIONS[limit.dimension].words, expected, do)
+
+
+def _weighing(name: str, gravity: bool) -> str:
+    """What to do for a limit of a force with weight."""
+    if name != GROUND_WITH_WEIGHT:
+        return "of supports and springs alone 'femstruct statics' has it, without a blow"
+    return "add 'ground: force' under 'record:'" if gravity else "add 'gravity: true' under 'time:'"
 
 
 def limited_room(name: str) -> str:
@@ -91,7 +107,11 @@ def _dimension(name: str) -> str:
     """The dimension of a limit by what it is of, "" where that is nothing that can be limited."""
     if name == SETTLED:
         return "time"
-    return "level" if limited_room(name) else dimension_of(name) if name.rpartition(" ")[2] in _LINEAR else ""
+    return "level" if limited_room(name) else dimension_of(name) if _what(name) in _LINEAR else ""
+
+
+def _what(name: str) -> str:
+    return name.removesuffix(WITH_WEIGHT).rpartition(" ")[2]
 
 
 def dimension_of(name: str) -> str:
@@ -100,7 +120,7 @@ def dimension_of(name: str) -> str:
     >>> dimension_of("die.z displacement"), dimension_of("die.rx velocity"), dimension_of("ground force")
     ('length', 'angular speed', 'force')
     """
-    target, _, what = name.rpartition(" ")
+    target, _, what = name.removesuffix(WITH_WEIGHT).rpartition(" ")
     turning = target.rpartition(".")[2] in ("rx", "ry", "rz")
     return _TURNING.get(what, "angular acceleration") if turning else _LINEAR[what]
 

@@ -82,7 +82,7 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         load.check_in(here.at("loads", name), [*study.bodies, *bodies_of(sizes)])
     study.initial.check(here.at("initial"))
     if _check_records(study, here, ends):  # limits are of what is recorded
-        check_limits(here, study.limits, study.record, study.rooms)
+        check_limits(here, study.limits, study.record, study.rooms, study.time is not None and study.time.gravity)
     powers = [one.response for one in study.frf.values() if one.kind == "power"]
     asked = Asked(study.time, [*study.bodies.values()], powers, study.rooms)
     for name, room in study.rooms.items():

@@ -66,7 +66,11 @@ class StudyKeys(CampaignSpec):
     )
     time: TimeSpec | None = None
     peaks: PeaksSpec = PeaksSpec()
-    limits: Limits = Field(default_factory=dict)
+    limits: Limits = Field(
+        default_factory=dict,
+        description="Of a recorded channel, TARGET QUANTITY, of the time to rest, settled, of a rating, ROOM rating. "
+        "'ground force' is what the motion adds, 'ground force with weight' has the weight of all that stands there.",
+    )
     quiet: Instant = 0.0
     rooms: dict[str, AnyRoom] = Field(default_factory=dict)
     cases: dict[str, Changes] = Field(

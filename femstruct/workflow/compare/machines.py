@@ -10,7 +10,6 @@ from math import nan
 
 import numpy as np
 
-from femstruct.conventions import GRAVITY
 from femstruct.files.tables.study_tables import growth
 from femstruct.impact.closer import closer
 from femstruct.impact.result.response import EnergyBalance, Response
@@ -21,8 +20,8 @@ from femstruct.workflow.check.weight import block_modes
 from femstruct.workflow.compare.verdicts import settling
 from femstruct.workflow.stages.modal_bases import Solved
 from femstruct.workflow.stages.places import Places
-from femstruct.workflow.stages.recorded.channels import histories, motion_of
-from femstruct.workflow.stages.rest import carried_bodies, lying_bodies, planned_contacts, weighs
+from femstruct.workflow.stages.recorded.channels import histories, motion_of, weight_on_ground
+from femstruct.workflow.stages.rest import planned_contacts, weighs
 from femstruct.workflow.stages.staging import ordered
 
 GROUND_FORCE = "ground force"
@@ -91,9 +90,8 @@ def _ground(case: CaseResult, reference: float | None, places: Places, near: Res
     if channel is None:
         return None
     pressed = None
-    known = case.basis.total_mass > 0.0 or not case.basis.modes.stop  # modes that are given do not say their mass
-    if weighs(study) and near is not None and known:
-        weight = case.basis.total_mass * GRAVITY + weight_of_bodies(study)
+    weight = weight_on_ground(study, case.basis)
+    if weight is not None and near is not None:
         values = channel.values if near is case.response else histories(study, places, near)[GROUND_FORCE][0]
         pressed = float(np.abs(values - weight).max())  # z is up: the weight is a negative force on the ground
     beside = reference is not None and reference > 0.0 and channel.whole > 0.0
@@ -104,12 +102,6 @@ def _ground(case: CaseResult, reference: float | None, places: Places, near: Res
         percent=None if ratio is None else 100.0 * (ratio - 1.0),
         attenuation_db=None if ratio is None else float(-20.0 * np.log10(ratio)),
     )
-
-
-def weight_of_bodies(study: Study) -> float:
-    """Weight of the bodies that are at rest at first [N]: hung on links or lying, all of it ends on the ground."""
-    carried, lying = carried_bodies(study), lying_bodies(study)
-    return sum(body.mass for body in study.bodies if body.name in carried or body.name in lying) * GRAVITY
 
 
 def _companion(name: str, study: Study, places: Places, response: Response, near: Response | None) -> Companion:

@@ -172,6 +172,12 @@ def weighs(study: Study) -> bool:
     return study.time is not None and study.time.gravity and axis_of(study) == "z"
 
 
+def weight_of_bodies(study: Study) -> float:
+    """Weight of the bodies that are at rest at first [N]: hung on links or lying, all of it ends on the ground."""
+    carried, lying = carried_bodies(study), lying_bodies(study)
+    return sum(body.mass for body in study.bodies if body.name in carried or body.name in lying) * GRAVITY
+
+
 def refuse_restless(study: Study) -> None:
     """Raise InputError when gravity acts on a body that neither rests nor falls."""
     if not weighs(study):

@@ -10,6 +10,7 @@ import numpy as np
 
 from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
+from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
 from femstruct.impact.closer import closer
 from femstruct.impact.result.averaged import averaged
@@ -18,7 +19,7 @@ from femstruct.impact.result.response import Response
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.model.probe import StressPlaces
 from femstruct.study.asked import PeakRule, Record, RoomPlan
-from femstruct.study.recorded import NET_FORCE, Channel
+from femstruct.study.recorded import GROUND_WITH_WEIGHT, NET_FORCE, Channel
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Study
 from femstruct.workflow.stages.places import Places
@@ -34,7 +35,7 @@ from femstruct.workflow.stages.recorded.windowed_peaks import (
     in_band,
     raised,
 )
-from femstruct.workflow.stages.rest import axis_of, planned_contacts
+from femstruct.workflow.stages.rest import axis_of, planned_contacts, weighs, weight_of_bodies
 from femstruct.workflow.stages.staging import ordered
 
 STRESS = "stress"
@@ -154,7 +155,28 @@ def histories(study: Study, places: Places, response: Response) -> dict[str, tup
     for wanted in study.records:
         if wanted.what != STRESS:
             found |= _recorded(wanted, study, places, response)
+    if (weight := _limited_weight(study, response.basis)) is not None:
+        found[GROUND_WITH_WEIGHT] = (found["ground force"][0] - weight, "N")  # z is up: a negative force on the ground
     return found | {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
+
+
+def weight_on_ground(study: Study, basis: ModalBasis) -> float | None:
+    """Weight of all that stands on the ground [N]; None without gravity, and where modes are given, which do not say
+    their mass."""
+    known = basis.total_mass > 0.0 or not basis.modes.stop
+    return basis.total_mass * GRAVITY + weight_of_bodies(study) if weighs(study) and known else None
+
+
+def _limited_weight(study: Study, basis: ModalBasis) -> float | None:
+    """The same where a limit is of the force with it, else None."""
+    if all(limit.name != GROUND_WITH_WEIGHT for limit in study.limits):
+        return None
+    weight, recorded = weight_on_ground(study, basis), any(str(one) == "ground force" for one in study.records)
+    if weight is None or not recorded:
+        got = "modes that do not say their mass" if weighs(study) and recorded else "no gravity, or no record of ground"
+        expected, do = "a structure whose mass is known, gravity: true and record: {ground: force}", ""
+        raise InputError(f"limits.{GROUND_WITH_WEIGHT}", got=got, expected=expected, do=do)
+    return weight
 
 
 def before_start(study: Study, places: Places, response: Response) -> dict[str, Before]:
@@ -191,6 +213,8 @@ def before_start(study: Study, places: Places, response: Response) -> dict[str, 
             found[str(wanted)] = Before(rate, pulled[name]) if what == "velocity" else Before(at, rate)
         elif name in response.bodies and what == "acceleration":
             found[str(wanted)] = Before(pulled[name])
+    if (weight := _limited_weight(study, response.basis)) is not None:
+        found[GROUND_WITH_WEIGHT] = Before(-weight)
     for name, contact, sign in _touched(study, places, response):
         net = f"{NET_FORCE}{name}"
         found[net] = Before(found.get(net, AT_REST).level + sign * held[contact])
