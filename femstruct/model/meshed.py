@@ -150,7 +150,8 @@ class Meshed(ABC):
         raise FemstructError(f"parts.{self.name}", got="no cells", expected="a part with edges of cells")
 
     def motion_on_cells(self, places: Floats) -> tuple[Integers, Floats]:
-        """Motion of places [p, 3] on its cells: nodes [p, k], rows [p, 6, k, 7], global axes."""
+        """Motion of places [p, 3] on its cells, those off them on rigid arms: nodes [p, k], rows [p, 6, k, 7],
+        global axes."""
         raise FemstructError(f"parts.{self.name}", got="no cells", expected="a part with edges of cells")
 
     @property

@@ -17,6 +17,8 @@ from femstruct.model.rows import sparse_rows
 
 _ORDER: Final = 4  # Gauss points of a piece: exact for the products of motions of degree 3 and dual functions
 _SHORT: Final = 1e-9  # of an edge: pieces that are shorter are rounding
+_CURVED: Final = np.deg2rad(46.0)  # chords that turn by more at a node are a corner: an octagon is a curve
+_ROUNDED: Final = 1.1  # a margin on bows, of chords of unequal lengths
 _EQUAL: Final = 1e-6  # of a length: lines that differ by less are as long
 
 
@@ -63,7 +65,8 @@ def unlike_line(
 
     The difference of the two motions, deflections between nodes being what the cells make of the rotations, vanishes in
     the mean with dual functions of the edges that lie wholly on the other part, or of the finer ones. These add to one,
-    so that forces balance, and constant strains, curvatures and twist go across exactly.
+    so that forces balance, and constant strains, curvatures and twist go across exactly. Free edges that are chords of
+    a curve follow what is as near as chords are to their curve, on rigid arms.
 
     Source: B. I. Wohlmuth, A mortar finite element method using dual spaces for the Lagrange multiplier, SIAM J. Numer.
     Anal. 38 (2000) 989-1012, doi:10.1137/S0036142999350929.
@@ -91,22 +94,28 @@ def _touch(
     edges, facing = part.edges_of_cells, other.edges_of_cells
     assert edges is not None
     assert facing is not None
-    on = np.zeros(len(points), dtype=bool)
-    on[own] = other.off_cells(points[own]) <= tolerance
+    on, off = np.zeros(len(points), dtype=bool), other.off_cells(points[own])
+    on[own] = off <= tolerance
     if on[part.quads].all(axis=1).any():
         return None
     named, named_there = (np.zeros(len(points), dtype=bool) for _ in range(2))
     named[own], named_there[there] = True, True
-    edges = edges[on[edges].any(axis=1) & named[edges].all(axis=1)]
+    bow = bow_between((part, other), (own, there), off, tolerance, points)
+    rim = rim_of(part)
+    free = np.isin(edges @ [len(points), 1], rim @ [len(points), 1])
+    on[np.intersect1d(own[off <= tolerance + bow], rim)] = True
+    within = np.where(free, tolerance + bow, tolerance)
+    chosen = on[edges].any(axis=1) & named[edges].all(axis=1)
+    edges, within = edges[chosen], within[chosen]
     if not len(edges):
         return None
     facing = _near(facing[named_there[facing].any(axis=1)], edges, points)
-    edge, low, high = _pieces(points[edges], points[facing], tolerance)
+    edge, low, high = _pieces(points[edges], points[facing], within)
     gauss, weights = np.polynomial.legendre.leggauss(_ORDER)
     share = low[:, None] + (high - low)[:, None] * (gauss + 1.0) / 2.0
     start, end = np.moveaxis(points[edges[edge]], 1, 0)
     at = start[:, None] + share[..., None] * (end - start)[:, None]
-    touching = (other.off_cells(at.reshape(-1, 3)) <= tolerance).reshape(share.shape).all(axis=1)
+    touching = (other.off_cells(at.reshape(-1, 3)).reshape(share.shape) <= within[edge][:, None]).all(axis=1)
     if not np.any(touching):
         return None
     long = np.linalg.norm(end - start, axis=1) * (high - low) / 2.0
@@ -115,6 +124,71 @@ def _touch(
     on_it = np.flatnonzero(touching)
     counts = on[ends].astype(np.float64)
     return _Touch(ends[on_it], at[on_it], (long[:, None] * weights)[on_it], shapes[on_it], counts[on_it])
+
+
+def rim_of(part: Meshed) -> Integers:
+    """Edges of cells of a part that are of one cell alone [e, 2], lower number first."""
+    sides = np.stack([part.quads, np.roll(part.quads, -1, axis=1)], axis=2).reshape(-1, 2)
+    edges, times = np.unique(np.sort(sides[sides[:, 0] != sides[:, 1]], axis=1), axis=0, return_counts=True)
+    return np.asarray(edges[times == 1])
+
+
+def bow_between(
+    parts: tuple[Meshed, Meshed], nodes: tuple[Integers, Integers], off: Floats, tolerance: float, points: Floats
+) -> float:
+    """How far chords of a curve lie off it [m] where a part is near another; 0 where both are straight there.
+
+    off : how far the nodes of the first are off the cells of the second [m].
+    """
+    bows = [_bows(part, points) for part in parts]
+    most = max(float(one.max(initial=0.0)) for one in bows)
+    if most <= tolerance:
+        return 0.0
+    near = nodes[0][off <= tolerance + most]
+    if not len(near):
+        return 0.0
+    apart = np.asarray(KDTree(points[near]).query(points[nodes[1]])[0])
+    edges = points[rim_of(parts[0])]
+    reach = most + float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).max(initial=0.0))
+    return max(float(bows[0][near].max()), float(bows[1][nodes[1][apart <= reach]].max(initial=0.0)))
+
+
+def _bows(part: Meshed, points: Floats) -> Floats:
+    """How far chords lie off their curve at the nodes of a rim, and cells off theirs at all nodes, by how much
+    neighbours turn there [n_nodes] [m]; corners turn by more than curves do."""
+    found = np.zeros(len(points))
+    rim = rim_of(part)
+    ends, steps = np.concatenate([rim, rim[:, ::-1]]), points[rim[:, 1]] - points[rim[:, 0]]
+    order = np.argsort(ends[:, 0], kind="stable")
+    ends, steps = ends[order], np.concatenate([steps, -steps])[order]
+    node, start, count = np.unique(ends[:, 0], return_index=True, return_counts=True)
+    two = np.flatnonzero(count == 2)
+    first, second = steps[start[two]], steps[start[two] + 1]
+    found[node[two]] = _turned_by(-first, second)
+    sides = np.sort(np.stack([part.quads, np.roll(part.quads, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    cell = np.repeat(np.arange(len(part.quads)), 4)
+    order = np.lexsort((sides[:, 1], sides[:, 0]))
+    sides, cell = sides[order], cell[order]
+    twice = np.flatnonzero((sides[1:] == sides[:-1]).all(axis=1) & (sides[1:, 0] != sides[1:, 1]))
+    middles = points[part.quads].mean(axis=1)
+    one, other = cell[twice], cell[twice + 1]
+    hinge = points[sides[twice]]
+    away = [middles[some] - hinge.mean(axis=1) for some in (one, other)]
+    along = hinge[:, 1] - hinge[:, 0]
+    along = along / np.linalg.norm(along, axis=1)[:, None]
+    across = [some - (some * along).sum(axis=1)[:, None] * along for some in away]
+    bows = _turned_by(-2.0 * across[0], 2.0 * across[1])
+    for end in (0, 1):
+        np.maximum.at(found, sides[twice, end], bows)
+    return found
+
+
+def _turned_by(first: Floats, second: Floats) -> Floats:
+    """Bow of the longer one of chords [m, 3] that follow on each other [m]; 0 where they turn by more than a curve."""
+    lengths = np.linalg.norm(first, axis=1), np.linalg.norm(second, axis=1)
+    turn = np.arctan2(np.linalg.norm(np.cross(first, second), axis=1), (first * second).sum(axis=1))
+    bows: Floats = np.where(turn <= _CURVED, _ROUNDED * np.maximum(*lengths) * np.tan(turn / 4.0) / 2.0, 0.0)
+    return bows
 
 
 def _near(facing: Integers, edges: Integers, points: Floats) -> Integers:
@@ -126,8 +200,11 @@ def _near(facing: Integers, edges: Integers, points: Floats) -> Integers:
     return facing[np.flatnonzero(meets)]
 
 
-def _pieces(edges: Floats, facing: Floats, tolerance: float) -> tuple[Integers, Floats, Floats]:
-    """Edges [e, 2, 3] cut where facing ones [f, 2, 3] cross or end on them: edge [p], and its shares from, to [p]."""
+def _pieces(edges: Floats, facing: Floats, tolerance: Floats) -> tuple[Integers, Floats, Floats]:
+    """Edges [e, 2, 3] cut where facing ones [f, 2, 3] cross or end on them: edge [p], and its shares from, to [p].
+
+    tolerance [e] : how far off each these may be [m].
+    """
     steps = edges[:, 1] - edges[:, 0]
     square = (steps**2).sum(axis=1)
     number, cut = [np.repeat(np.arange(len(edges)), 2)], [np.tile([0.0, 1.0], len(edges))]
@@ -135,7 +212,7 @@ def _pieces(edges: Floats, facing: Floats, tolerance: float) -> tuple[Integers, 
         away = facing[None, :, end] - edges[:, None, 0]
         share = (away * steps[:, None]).sum(axis=2) / square[:, None]
         off = np.linalg.norm(away - share[..., None] * steps[:, None], axis=2)
-        which, _ = hit = np.nonzero((off <= tolerance) & (share > 0.0) & (share < 1.0))
+        which, _ = hit = np.nonzero((off <= tolerance[:, None]) & (share > 0.0) & (share < 1.0))
         number.append(which)
         cut.append(share[hit])
     other = facing[:, 1] - facing[:, 0]
@@ -148,7 +225,7 @@ def _pieces(edges: Floats, facing: Floats, tolerance: float) -> tuple[Integers, 
     scale = np.where(oblique, area, 1.0)
     s, t = (ab * b - bb * a) / scale, (aa * b - ab * a) / scale
     off = np.linalg.norm(away + s[..., None] * steps[:, None] - t[..., None] * other[None], axis=2)
-    crossed = oblique & (off <= tolerance) & (s > 0.0) & (s < 1.0) & (t >= 0.0) & (t <= 1.0)
+    crossed = oblique & (off <= tolerance[:, None]) & (s > 0.0) & (s < 1.0) & (t >= 0.0) & (t <= 1.0)
     number.append(np.nonzero(crossed)[0])
     cut.append(s[crossed])
     which, share = np.concatenate(number), np.concatenate(cut)

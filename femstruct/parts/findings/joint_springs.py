@@ -15,6 +15,7 @@ from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import Finding
 from femstruct.model.anchors import places_of
 from femstruct.model.equations.shared_nodes import Shared, shared_nodes
+from femstruct.model.equations.unlike_lines import bow_between
 from femstruct.model.grid.joined_nodes import coincident_pairs, joined_nodes
 from femstruct.model.imported.flat_cells import area_vectors
 from femstruct.model.meshed import Meshed
@@ -93,7 +94,11 @@ def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Intege
     within = _TOUCHING * _size(model)
     own = joined_nodes(joint, one.name, model, within)
     nodes = np.intersect1d(one.lines.ravel(), own) if len(one.lines) else own
-    on = nodes[other.off_cells(model.mesh.points[nodes]) <= within]
+    off = other.off_cells(model.mesh.points[nodes])
+    there = joined_nodes(joint, other.name, model, within)
+    curved = bow_between((one, other), (nodes, there), off, within, model.mesh.points) if len(one.quads) else 0.0
+    within += curved
+    on = nodes[off <= within]
     free = np.setdiff1d(on, joined)
     if not len(free):
         return []
@@ -104,6 +109,7 @@ def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Intege
     message = (
         f"{joint.name}: {share} {one.name} lies on {other.name} found no partner, at {len(free)} of {len(on)} nodes "
         f"of it: {other.name} has no nodes at their places. The joint is open there"
+        + (f". Curves whose chords are up to {1e3 * curved:.3g} mm apart count as touching" if curved > 0.0 else "")
     )
     values: dict[str, float] = {"free": len(free), "touching": len(on)}
     if lying.all > 0.0:

@@ -88,7 +88,8 @@ class CellsMesh(Meshed):
 
     def motion_on_cells(self, places: Floats) -> tuple[Integers, Floats]:
         found = nearest_places(self.facets, places)
-        return self.facet_motion(found.cells, found.xi, found.eta)
+        nodes, rows = self.facet_motion(found.cells, found.xi, found.eta)
+        return nodes, carried(rows, places - found.positions)
 
     @abstractmethod
     def facet_reach(self, facet: int, tolerance: float) -> float:
