@@ -120,6 +120,17 @@ def test_a_force_beyond_the_modes_is_right_or_carries_both_numbers(
     assert marks[0]  # with the fewest modes it is wrong
 
 
+def test_what_the_rebound_changes_of_low_frequencies_is_told(tmp_path: Path) -> None:
+    """The impulse of the first blow here over that on the plate, from the recorded force and from scipy."""
+    only = run(tmp_path, STEEL, "1 kHz").cases["as given"]
+    assert only.response is not None
+    force = only.response.contacts["b on hit"].force
+    given = float(force.sum()) / 400e3
+    (one,) = [one for one in only.findings if one.code == "force-beyond-modes"]
+    told = float(one.message.split("low frequencies are ")[1].split(" dB apart")[0])
+    assert told == pytest.approx(20.0 * np.log10(given / ball()[1]), abs=0.06)  # one digit
+
+
 def test_a_force_that_the_modes_have_carries_none(tmp_path: Path) -> None:
     """A soft ball, in contact for 3 ms: all below 1 kHz."""
     soft = CHIPBOARD | {"LAW": "{type: linear, stiffness: 500 kN/m}"}

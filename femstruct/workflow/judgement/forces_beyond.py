@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from math import log10
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ from femstruct.workflow.stages.recorded.peaks import CONVERGED
 from femstruct.workflow.stages.rest import planned_contacts
 
 Beyond = Mapping[str, tuple[float, float]]  # of contacts that reach beyond the modes, as `shares_beyond` has them
+SEEN_DB: Final = 0.2  # of levels at low frequencies, which are told
 LONG: Final = 4.0  # closings of the contact that the blow on an infinite plate is looked at
 
 
@@ -116,7 +118,8 @@ def force_findings(found: Mapping[str, Beside]) -> Iterator[Finding]:
     for name, one in found.items():
         told = ""
         if one.rebound is not None and one.other_rebound is not None:
-            told = f"The body keeps {one.rebound:z.2f} of its speed, and {one.other_rebound:z.2f}. "
+            told = f"The body keeps {one.rebound:z.2f} of its speed, and {one.other_rebound:z.2f}"
+            told += f"{_below(one.rebound, one.other_rebound)}. "
         values = {"peak": one.peak, "beside": one.other_peak, "apart": one.apart, "allowed": CONVERGED}
         rebounds = {"rebound": one.rebound, "rebound_beside": one.other_rebound}
         yield Finding(
@@ -126,6 +129,13 @@ def force_findings(found: Mapping[str, Beside]) -> Iterator[Finding]:
             f"out. {told}Compute more modes, until both agree",
             values | {key: value for key, value in rebounds.items() if value is not None},
         )
+
+
+def _below(rebound: float, other: float) -> str:
+    """What that changes well below the length of the blow, where only the momentum counts that the body gives, m v (1 +
+    rebound)."""
+    db = 20.0 * log10((1.0 + rebound) / (1.0 + other))
+    return f": sound and vibration at low frequencies are {abs(db):.1f} dB apart" if abs(db) >= SEEN_DB else ""
 
 
 def _on_infinite_plate(study: Study, response: Response, contact: Contact, point: str, end_hz: float) -> Beside | None:
