@@ -163,9 +163,9 @@ def test_two_bays_are_two_cavities() -> None:
     assert [placed.name for placed in one] == ["void 1", "void 2"]
     found = [fs.with_cavities(basis, placed) for placed in (one, several)]
     np.testing.assert_allclose(found[0].frequency_hz, found[1].frequency_hz, rtol=1e-6, atol=1e-4)  # rounding
-    # air that cannot pass the joist is stiffer than air that can
+    # air that cannot pass the joist is stiffer than air that can; in the first mode both plates move alike, and no air
     open_void = fs.placed_cavities(replace(bays, bays=None), model.surfaces)[0]
     pressed = fs.with_cavities(basis, open_void)
-    assert pressed.frequency_hz[0] < found[0].frequency_hz[0]
+    assert pressed.frequency_hz[1] < 0.95 * found[0].frequency_hz[1]  # 12.05 below 13.61 Hz
     wide = replace(bays, bays=fs.Bays("x", (0.6,), width=0.1))
     assert [float(p.cavity.size[0]) for p in fs.placed_cavities(wide, model.surfaces)[0]] == pytest.approx([0.55, 0.55])
