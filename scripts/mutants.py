@@ -121,10 +121,10 @@ def drawn(count: int, seed: int, subjects: Sequence[str]) -> list[Mutant]:
     return chosen
 
 
-def _checked(tree: Path, options: argparse.Namespace) -> tuple[str, list[str]]:
-    """What the machine says of a tree: "found" or "survived", and its last lines."""
+def _checked(tree: Path, faults: Path, options: argparse.Namespace) -> tuple[str, list[str]]:
+    """What the machine says of a tree: "found" or "survived", and its last lines. faults : where it writes models."""
     command = [sys.executable, "scripts/verify.py", "--until-fault", "--workers", "1", "--limit", "60"]
-    command += ["--seconds", str(options.seconds), "--seed", str(options.checks_seed), "-o", str(tree / "faults")]
+    command += ["--seconds", str(options.seconds), "--seed", str(options.checks_seed), "-o", str(faults)]
     env = {"PYTHONPATH": f"{tree}:{tree / 'scripts'}", "OMP_NUM_THREADS": "1"}
     env["FEMSTRUCT_CACHE"] = str(options.output.resolve() / "kernels")  # those that a mutant leaves alone are shared
     try:
@@ -138,7 +138,7 @@ def _checked(tree: Path, options: argparse.Namespace) -> tuple[str, list[str]]:
         )
     except subprocess.TimeoutExpired:
         return "found", ["it never ended"]
-    found = [path.read_text(encoding="utf-8") for path in sorted((tree / "faults").glob("*.yaml"))]
+    found = [path.read_text(encoding="utf-8") for path in sorted(faults.glob("*.yaml"))]
     lines = "\n".join([*found, ended.stdout, ended.stderr]).strip().splitlines()
     return "survived" if ended.returncode == 0 else "found", lines
 
@@ -159,7 +159,7 @@ def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, floa
         if code is None:
             return mutant, "does not apply", 0.0
         changed.write_text(code, encoding="utf-8")
-        word, lines = _checked(copy, options)
+        word, lines = _checked(copy, copy / "faults", options)
     difference = difflib.unified_diff(before.splitlines(), code.splitlines(), lineterm="", n=1)
     kept = options.output / f"{word}_{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
     kept.write_text("\n".join([str(mutant), *difference, *lines[:60]]) + "\n", encoding="utf-8")
@@ -190,7 +190,7 @@ def main() -> int:
         print("\n".join(map(str, mutants)))
         return 0
     options.output.mkdir(parents=True, exist_ok=True)
-    word, lines = _checked(TOP, options)
+    word, lines = _checked(TOP, options.output / "unchanged", options)
     if word == "found":
         print("\n".join(["the unchanged code has a fault with these seeds: mend it first", *lines]), file=sys.stderr)
         return 2

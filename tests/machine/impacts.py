@@ -278,7 +278,7 @@ def motions(model: Model, door: Door) -> Floats:
     """Histories of all that moves, each over its largest by the path."""
     study = {"model": "structure.yaml", **model["study"]}
     found, path = door.histories(study, structure=model["structure"]), path_of(model)
-    times = _times(model)
+    times = times_of(model)
     rows = []
     for name in [*path.chain.bodies, *(f"{point}.z" for point in path.chain.shapes)]:
         for what in ("displacement", "velocity"):
@@ -287,7 +287,7 @@ def motions(model: Model, door: Door) -> Floats:
     return np.concatenate(rows)
 
 
-def _times(model: Model) -> Floats:
+def times_of(model: Model) -> Floats:
     time = model["study"]["time"]
     return np.arange(int(time["duration"] * time["sampling"] * (1 - 1e-9))) / time["sampling"]
 
@@ -299,7 +299,7 @@ def _moved(path: ev.Path, name: str, what: str, times: Floats) -> Floats:
 
 def motions_right(model: Model, _: Door | None = None, rtol: float = 1e-11) -> Floats:
     """The same by events."""
-    path, best, times = path_of(model, rtol), path_of(model), _times(model)
+    path, best, times = path_of(model, rtol), path_of(model), times_of(model)
     rows = []
     for name in [*path.chain.bodies, *(f"{point}.z" for point in path.chain.shapes)]:
         for what in ("displacement", "velocity"):
