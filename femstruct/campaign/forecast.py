@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,8 +23,11 @@ from femstruct.campaign.tasks import Split, Task, Work, forget_bases, run_task, 
 from femstruct.campaign.tried import refuse_values, refused_ends, with_limits_of_study, with_place
 from femstruct.errors import InputError
 from femstruct.language import read_study
+from femstruct.language.campaigns import set_by_cases
+from femstruct.language.yaml import read_yaml
 from femstruct.study.campaign.sought import FEWEST_RUNS, Search
 from femstruct.study.campaign.varied import Campaign, Listed, Scattered
+from femstruct.study.study import Plan
 from femstruct.view.campaigns.not_known import why_not_known
 from femstruct.view.campaigns.swept_table import written
 from femstruct.view.campaigns.varied_words import range_of
@@ -56,6 +59,7 @@ def planned(
         **{f"varies: {one.path}": _values(one) for one in campaign.varied},
         "samples": len(samples.texts),
         "cases": len(parts.plan.cases),
+        **{f"set by case '{case}' itself": ", ".join(own) for case, own in _set(campaign, parts.plan)},
         "structures to solve": parts.structures,
         "impacts to simulate": parts.impacts,
         "rows": f"full runs: {batch}" if isinstance(batch, str) else parts.made,
@@ -117,6 +121,11 @@ def planned_search(
         "main numbers": ", ".join(_main(rows)) or f"none: {rows[0].trouble}",
         **_not_known([*(goal.name for goal in search.goals), *search.limits], rows, "the design that was run"),
     }
+
+
+def _set(campaign: Campaign, plan: Plan) -> Iterable[tuple[str, tuple[str, ...]]]:
+    paths, cases = [one.path for one in campaign.varied], [case.name for case in plan.cases]
+    return set_by_cases(read_yaml(campaign.file).value, paths, cases).items()
 
 
 def _values(one: Listed | Scattered) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from femstruct.errors import InputError, InputErrors
 from femstruct.language import read_study
-from femstruct.language.campaigns import overridden, refuse_other_cases, steps_of
+from femstruct.language.campaigns import overridden, refuse_other_cases, refuse_set_by_cases, steps_of
 from femstruct.language.searches import read_search
 from femstruct.language.study.campaign.optimise import CampaignSpec
 from femstruct.language.study.campaign.vary import varied_of, written
@@ -67,7 +67,9 @@ def refuse_values(search: Search, plan: Plan) -> None:
     """Raise InputErrors for listed values that the files cannot have, for ranges and distributions of which they can
     have no end, and for paths of other cases. plan : the study as it is written."""
     tree = read_yaml(search.file)
-    refuse_other_cases(tree, [one.path for one in (*search.designs, *search.over)], search.case or plan.baseline)
+    paths, case = [one.path for one in (*search.designs, *search.over)], search.case or plan.baseline
+    refuse_other_cases(tree, paths, case)
+    refuse_set_by_cases(tree, paths, [case])
     mistakes = Mistakes()
     for one in (*search.designs, *search.over):
         texts = probes(one)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,7 +13,17 @@ from femstruct.language.models import override, refuse_kind, title_of
 from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
 from femstruct.language.study.campaign.optimise import CampaignSpec
 from femstruct.language.study.campaign.vary import varied_of
-from femstruct.language.yaml import Here, Mistakes, Position, Tree, near_one, parse_value, read_yaml, validate
+from femstruct.language.yaml import (
+    Here,
+    Mistakes,
+    Position,
+    Tree,
+    mapping_in,
+    near_one,
+    parse_value,
+    read_yaml,
+    validate,
+)
 from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
 
 KEYS: Final = ("vary", "samples")
@@ -67,6 +77,7 @@ def read_campaign(
         raise InputErrors((f"{path}: vary: got a study that varies nothing, expected one or more paths; {do}",))
     if case:
         refuse_other_cases(tree, found, case)
+    refuse_set_by_cases(tree, found, [case] if case else list(mapping_in(tree.value, "cases")), swept=True)
     asked = spec.samples if spec is not None else None
     try:
         sampling = (
@@ -93,9 +104,44 @@ def refuse_other_cases(tree: Tree, paths: Iterable[str], case: str) -> None:
             others = " and ".join(f"'{one}'" for one in named)
             got, expected = f"a path that case {others} adds", f"a path of case '{case}', which is run"
             do = f"choose the case with --case '{named[0]}', or 'case: {named[0]}' under 'optimise:'"
-            at = next((tree.keys[steps] for steps in steps_of(path) if steps in tree.keys), tree.file)
-            mistakes.note(f"{at}: vary {path}: got {got}, expected {expected}; {do}")
+            mistakes.note(f"{_place_of(tree, path)}: vary {path}: got {got}, expected {expected}; {do}")
     mistakes.stop_if_any()
+
+
+def set_by_cases(study: Mapping[str, Any], paths: Iterable[str], cases: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Paths that cases set themselves, by case: they do not vary there. study : the file.
+
+    >>> set_by_cases({"cases": {"heavy": {"bodies.ram.mass": "9 kg"}}}, ["bodies.ram.mass"], ["heavy"])
+    {'heavy': ('bodies.ram.mass',)}
+    """
+    listed, paths = mapping_in(study, "cases"), tuple(paths)
+    found = {
+        case: tuple(path for path in paths if any(_within(path, str(key)) for key in mapping_in(listed, case)))
+        for case in cases
+    }
+    return {case: own for case, own in found.items() if own}
+
+
+def _within(path: str, key: str) -> bool:
+    """Whether one of two paths is the other or leads to it."""
+    return f"{path}.".startswith(f"{key}.") or f"{key}.".startswith(f"{path}.")
+
+
+def refuse_set_by_cases(tree: Tree, paths: Iterable[str], cases: Collection[str], swept: bool = False) -> None:
+    """Raise InputErrors for paths that every case that is run sets itself. tree : of the study. swept : `vary:` is
+    asked for, not `optimise:`."""
+    paths, mistakes = tuple(paths), Mistakes()
+    own = set_by_cases(tree.value, paths, cases)
+    for path in (one for one in paths if cases and all(one in own.get(case, ()) for case in cases)):
+        named, at = " and ".join(f"'{case}'" for case in cases), _place_of(tree, path, swept)
+        do = f"vary 'cases.{next(iter(cases))}.{path}', or remove it from the case"
+        mistakes.note(f"{at}: vary {path}: got a path that case {named} sets itself, expected one that varies; {do}")
+    mistakes.stop_if_any()
+
+
+def _place_of(tree: Tree, path: str, swept: bool = False) -> Position | str:
+    places = steps_of(path)[::-1] if swept else steps_of(path)
+    return next((tree.keys[steps] for steps in places if steps in tree.keys), tree.file)
 
 
 def steps_of(path: str) -> tuple[tuple[str, ...], ...]:

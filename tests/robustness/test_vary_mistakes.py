@@ -4,10 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from femstruct import optimise, sweep
+from femstruct.campaign.forecast import planned
 from femstruct.errors import InputErrors
 from femstruct.language import read_study
 from femstruct.language.campaigns import read_campaign
+from femstruct.language.searches import read_search
 from femstruct.study.campaign.varied import Listed
+from femstruct.view.campaigns.swept_table import swept_pieces
 
 IN_FILE = {
     "{from: 1 kg, to: 2 kg, step: 3}": "vary.a.b.step: got the unknown key 'step'",
@@ -137,3 +141,43 @@ def test_a_key_with_a_capital_is_named(tmp_path: Path) -> None:
     path.write_text("model: m.yaml\nVary: {a.b: {values: [1]}}\n", encoding="utf-8")
     with pytest.raises(InputErrors, match=r"got a study that varies nothing, .*; write 'vary' for 'Vary'"):
         read_campaign(path)
+
+
+OVERRULED = """
+model: m.yaml
+vary: {bodies.ram.mass: {values: [1 kg, 2 kg]}}
+optimise: {minimise: ram on ground peak force, vary: {bodies.ram.mass: {from: 1 kg, to: 2 kg}}, runs: 20}
+bodies: {ram: {mass: 3 kg, above: ground, speed: 1 m/s, contact: {type: linear, stiffness: 1 MN/m}}}
+time: {duration: 20 ms, sampling: 10 kHz}
+cases: {as built: {}, heavy: {bodies.ram.mass: 8 kg}}
+"""
+
+
+def overruled(folder: Path) -> Path:
+    (folder / "m.yaml").write_text("structure: none\n", encoding="utf-8")
+    (folder / "a.study.yaml").write_text(OVERRULED, encoding="utf-8")
+    return folder / "a.study.yaml"
+
+
+def test_a_case_that_sets_what_varies_is_named(tmp_path: Path) -> None:
+    """Its rows are all the same: v sqrt(k m) of 8 kg."""
+    rows = sweep(read_campaign(overruled(tmp_path)), tmp_path / "swept")
+    force = rows.of("ram on ground peak force", "heavy")
+    assert force == pytest.approx([(1e6 * 8.0) ** 0.5] * 2, rel=1e-9)  # rounding
+    told = (
+        "bodies.ram.mass does not vary in 'heavy', which sets this itself: vary 'cases.heavy.bodies.ram.mass' for that"
+    )
+    assert told in list(swept_pieces(rows))
+    assert planned(read_campaign(tmp_path / "a.study.yaml"))["set by case 'heavy' itself"] == "bodies.ram.mass"
+    there = ("cases.heavy.bodies.ram.mass=1 kg,2 kg",)
+    rows = sweep(read_campaign(tmp_path / "a.study.yaml", there), tmp_path / "there")
+    varied = rows.of("ram on ground peak force", "heavy")
+    assert sorted(set(varied.round(6))) == pytest.approx([1e3, 2e6**0.5], rel=1e-6)  # what rounding left
+
+
+def test_a_case_alone_that_sets_what_varies_is_refused(tmp_path: Path) -> None:
+    told = r":3:8: vary bodies.ram.mass: got a path that case 'heavy' sets itself.*vary 'cases.heavy.bodies.ram.mass'"
+    with pytest.raises(InputErrors, match=told):
+        read_campaign(overruled(tmp_path), case="heavy")
+    with pytest.raises(InputErrors, match="got a path that case 'heavy' sets itself"):
+        optimise(read_search(tmp_path / "a.study.yaml", case="heavy"), tmp_path / "found")

@@ -10,6 +10,8 @@ import numpy as np
 
 from femstruct.errors import some_of
 from femstruct.files.tables.sweep_tables import left_out, limited, spreads, unchanged
+from femstruct.language.campaigns import set_by_cases
+from femstruct.language.yaml import Mistakes, parse_value
 from femstruct.study.asked import SETTLED
 from femstruct.study.campaign.held_limits import HeldLimit, held_limits
 from femstruct.study.campaign.influence import influences
@@ -33,6 +35,7 @@ def swept_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
     run, failed = int(rows.done.sum()), sum(map(bool, rows.trouble))
     without = f", of which {failed} have no result" if failed else ""
     yield f"{rows.title}: {run} of {len(rows.texts)} samples{cases}{without}"
+    yield from _set_by_cases(rows)
     if limits := list(held_limits(rows, names)):
         yield _limits(rows, limits)
     yield (_scatter if rows.drawn else _extremes)(rows, names)
@@ -41,6 +44,20 @@ def swept_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
     if rows.method == INDICES and _unsure(rows, names):
         yield "These shares are not to be used yet, their intervals are too wide: take a larger 'count'"
     yield from left_out_pieces(rows, names)
+
+
+def _set_by_cases(rows: Swept) -> Iterator[str]:
+    """Which cases set themselves what varies in the others."""
+    files = [
+        parse_value(text, name, Mistakes()).value
+        for name, text in rows.sources.items()
+        if name.endswith((".yaml", ".yml"))
+    ]
+    study = next((one for one in files if isinstance(one, dict) and "model" in one), {})
+    for case, paths in set_by_cases(study, rows.paths, rows.cases).items():
+        varies = "does not vary" if len(paths) == 1 else "do not vary"
+        names, there = " and ".join(paths), f"cases.{case}.{paths[0]}"
+        yield f"{names} {varies} in '{case}', which sets this itself: vary '{there}' for that"
 
 
 def _extremes(rows: Swept, names: Sequence[str]) -> Grid:
