@@ -22,7 +22,9 @@ from femstruct.impact.result.fatigue import (
     rainflow_cycles,
 )
 from femstruct.impact.result.spectral_fatigue import expected
+from femstruct.impact.result.spectral_fatigue import most_damaged as most_damaged_of_spectra
 from femstruct.workflow.stages.modal_bases import solve_all
+from tests.independent.vibration import dirlik
 
 MODEL = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"
 BAR = """
@@ -306,3 +308,72 @@ def test_a_random_excitation_in_a_study(tmp_path: Path) -> None:
     path.write_text(RANDOM.replace("under: shaker, sn: {range", "under: shaken, sn: {range"), encoding="utf-8")
     with pytest.raises(InputErrors, match=r"fatigue.bolts.under: got 'shaken'"):
         read_study(path)
+
+
+SHAKEN = """
+model: beam.yaml
+modes: {up_to: 400 Hz}
+record: {bar: stress}
+vibration:
+  shaker:
+    at: q.z
+    psd: [[20 Hz, 1 N^2/Hz], [100 Hz, 1 N^2/Hz], [101 Hz, 0.3 N^2/Hz], [300 Hz, 0.3 N^2/Hz]]
+    duration: 60 min
+fatigue: {f: {of: bar stress, under: shaker, sn: {range: 9 MPa, at: 2e6, slope: 3}}}
+"""
+PINNED = """
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
+sections: {bar: {shape: rectangle, width: 40 mm, height: 20 mm}}
+parts: {bar: {type: frame, material: steel, section: bar, mesh: 50 mm, lines: [[[0, 0, 0], [1, 0, 0]]]}}
+points: {a: {on: bar, at: [0, 0, 0]}, b: {on: bar, at: [1, 0, 0]}, q: {on: bar, at: [0.25, 0, 0]}}
+supports: {l: {at: a, fix: [x, y, z, rx]}, r: {at: b, fix: [x, y, z, rx]}}
+damping: {ratio: 2 %}
+"""
+
+
+def shaken_beam(lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places 50 mm apart and the psd of the bending stress there [place, line]: sines, a force at the quarter."""
+    mu, bending, x = 7850.0 * 0.04 * 0.02, 210e9 * 0.04 * 0.02**3 / 12.0, np.arange(21) / 20.0
+    n = np.arange(1, 3)[:, None]
+    own = (n * np.pi) ** 2 * np.sqrt(bending / mu)
+    w = 2.0 * np.pi * lines
+    q = 2.0 / mu * np.sin(n * np.pi / 4.0) / (own**2 - w**2 + 0.04j * own * w)
+    stress = 210e9 * 0.01 * ((n * np.pi) ** 2 * np.sin(n * np.pi * x)).T @ q
+    return x, np.abs(stress) ** 2 * np.where(lines < 100.5, 1.0, 0.3)
+
+
+def test_random_damage_is_that_of_the_most_damaged_place(tmp_path: Path) -> None:
+    """The middle of a hinged beam has the largest rms, of the first mode; beside it are more cycles, of the second."""
+    (tmp_path / "beam.yaml").write_text(PINNED, encoding="utf-8")
+    (tmp_path / "beam.study.yaml").write_text(SHAKEN, encoding="utf-8")
+    case = run_study(read_study(tmp_path / "beam.study.yaml")).cases["as given"]
+    lines = np.linspace(20.0, 300.0, 28001)
+    x, psd = shaken_beam(lines)
+    moments = np.array([np.trapezoid(lines**n * psd, lines) for n in (0, 1, 2, 4)])
+    damage = [dirlik(one, 3.0, 9e6, 2e6, 3600.0) if one[0] > 0.0 else 0.0 for one in moments.T]
+    rms, worst = int(moments[0].argmax()), int(np.argmax(damage))
+    assert x[rms] == 0.5 and damage[rms] < 0.9 * damage[worst]  # the case is what it says
+    found, where = case.fatigue["f"], case.vibration["shaker"].answers["bar stress"].where
+    assert where.startswith("(0.5, ")
+    assert found.on.startswith(f"({x[worst]:.4g}, ")
+    # shear and rotary inertia of the bar move the second mode by 0.5 %, to the third power; the corner of the psd
+    assert found.damage == pytest.approx(damage[worst], rel=0.03)
+
+
+@pytest.mark.parametrize("line", [*LINES[:2], None])
+def test_the_most_damaged_place_of_random_stresses_is_that_of_all_places(line: fs.SNLine | None) -> None:
+    """Every place and plane of a face by itself, of modes in six bands."""
+    rng, f = np.random.default_rng(7), np.linspace(1.0, 200.0, 2001)
+    centres = np.array([8.0, 20.0, 45.0, 70.0, 110.0, 160.0])
+    modes = np.exp(-(((f - centres[:, None]) / 2.0) ** 2))
+    rows = 40e6 * rng.normal(size=(15, 3, 6)) * (rng.random((15, 1, 6)) < 0.5)
+    psd = np.einsum("pck,kf,pdk->pcdf", rows, modes / 4.0, rows)
+    moments = np.array([np.trapezoid(f**n * psd, f, axis=-1) for n in (0, 1, 2, 4)])
+    weights = plane_weights(normals_of(("xx", "yy", "xy")), ("xx", "yy", "xy"))
+    sizes = []
+    for place in psd:
+        planes = [np.einsum("c,cdf,d->f", w, place, w).clip(0.0) for w in weights]
+        each = [expected("", "Pa", one, f, 3600.0, line) for one in planes]
+        sizes.append(max(one.largest if one.damage is None else one.damage for one in each))
+    found = most_damaged_of_spectra(moments, ("xx", "yy", "xy"), 3600.0, line)
+    assert sizes[found] == pytest.approx(max(sizes), rel=1e-6)  # sums in another order

@@ -42,6 +42,12 @@ class SNLine:
     slope: Positive = 3.0
     category: bool = False
 
+    def at_one(self, slope: float) -> float:
+        """Cycles that a range of 1 [unit] is endured along the line of this slope, `slope` or the one below it."""
+        if slope == self.slope:
+            return float(self.at * self.range**slope)
+        return float(KNEE * (self.range * (self.at / KNEE) ** (1.0 / self.slope)) ** slope)
+
     def endured(self, ranges: Floats) -> Floats:
         """Cycles [n] that ranges [n] are endured; infinite below the cut-off of a category."""
         with np.errstate(divide="ignore", over="ignore"):

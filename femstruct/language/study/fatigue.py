@@ -59,7 +59,7 @@ class SNSpec(Spec):
 class FatigueSpec(Spec):
     """Rainflow cycles of a recorded channel, of: TARGET QUANTITY, and the damage they do. Of a stress it is the normal
     stress on the worst plane at the place with the most damage. Of the history in time or, under: NAME, on the average
-    in the duration of a random excitation of 'vibration', at the place that is stressed most."""
+    in the duration of a random excitation of 'vibration', at the place with the most damage, too."""
 
     makes = FatigueRequest
     of: Annotated[Text, Refers()]

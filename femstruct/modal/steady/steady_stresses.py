@@ -113,6 +113,26 @@ def stress_components(
     return found
 
 
+def stress_moments(
+    basis: ModalBasis,
+    excitation: Excitation,
+    places: StressPlaces,
+    psd: Floats,
+    frequency_hz: Floats,
+    powers: tuple[int, ...],
+) -> Floats:
+    """Spectral moments of the components of the stress at every place [m, p, c, c], of these powers of the frequency
+    [Pa^2 Hz^power], in phase. psd [nf] : of what excites. They follow from those of the modal coordinates."""
+    k, weights = len(basis.omega) + 1, psd * _trapezoids(frequency_hz)
+    moments = np.zeros((len(powers), k, k))
+    for lines, q in _driven(basis, excitation, 2.0 * np.pi * frequency_hz):
+        for found, power in zip(moments, powers, strict=True):
+            scaled = q * np.sqrt(weights[lines] * frequency_hz[lines] ** power)[:, None]
+            found += scaled.real.T @ scaled.real + scaled.imag.T @ scaled.imag
+    rows = _with_base(basis, excitation, places)
+    return np.array([rows @ one @ np.swapaxes(rows, 1, 2) for one in moments])
+
+
 def _with_base(basis: ModalBasis, excitation: Excitation, places: StressPlaces) -> Floats:
     """Stresses [p, c, k + 1] in the shapes of a basis, and those of bars that are carried along by a base that moves,
     per acceleration of it: zero without one, and for other parts, whose strains have it."""

@@ -11,7 +11,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError, some_of
 from femstruct.impact.result.fatigue import Fatigue
-from femstruct.impact.result.spectral_fatigue import expected, expected_on_planes
+from femstruct.impact.result.spectral_fatigue import POWERS, expected, expected_on_planes, most_damaged
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.frf import moves
 from femstruct.modal.outputs import AXES
@@ -19,8 +19,9 @@ from femstruct.modal.steady.answers import HarmonicAnswer, MovedMass, RandomAnsw
 from femstruct.modal.steady.excitation import Excitation, Looked, force, motion, moving_base, pushing, transfers
 from femstruct.modal.steady.resonances import resonances
 from femstruct.modal.steady.resonant_lines import resonant_lines
-from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress, stress_components
+from femstruct.modal.steady.steady_stresses import harmonic_stress, random_stress, stress_components, stress_moments
 from femstruct.modal.superposition import Complex
+from femstruct.model.probe import StressPlaces
 from femstruct.study.asked import Spot
 from femstruct.study.recorded import LargestStress
 from femstruct.study.steady_vibration import Vibration
@@ -173,16 +174,34 @@ def random_fatigues(
             raise InputError(f"{where}.of", got=f"'{of}'", expected=f"one of {some_of(found[one.name].answers)}")
         lines = answer.frequency_hz
         if of.endswith(f" {STRESS}"):
-            rows = places.stresses(of.removesuffix(f" {STRESS}"), f"{where}.of").at(answer.place)
-            stresses = stress_components(basis, excited(one, places, basis), rows, 0, lines)
+            everywhere = places.stresses(of.removesuffix(f" {STRESS}"), f"{where}.of")
+            shaken = excited(one, places, basis)
+            moments = stress_moments(basis, shaken, everywhere, level, lines, POWERS)
+            place = most_damaged(moments, everywhere.components, one.duration, sn)
+            name, share = answer.where, answer.uneven
+            if place != answer.place:
+                found_there = _judged_at(place, everywhere, basis, shaken, level, lines)
+                name, share = found_there.where, uneven(found_there)
+            rows = everywhere.at(place)
+            stresses = stress_components(basis, shaken, rows, 0, lines)
             axes = None if rows.axes is None else rows.axes[0]
             fatigue = expected_on_planes(
-                of, stresses, rows.components, level, lines, one.duration, sn, answer.where, answer.uneven, axes
+                of, stresses, rows.components, level, lines, one.duration, sn, name, share, axes
             )
-            told[request.name] = replace(fatigue, converged=not answer.uneven)
+            told[request.name] = replace(fatigue, converged=not share)
         else:
             told[request.name] = expected(of, answer.unit, answer.psd, lines, one.duration, sn)
     return told
+
+
+def _judged_at(
+    place: int, places: StressPlaces, basis: ModalBasis, excitation: Excitation, level: Floats, lines: Floats
+) -> LargestStress:
+    """The rms of the equivalent stress at one place, which counts for the most stressed one, and how well the mesh
+    resolves it there."""
+    found = random_stress(basis, excitation, places, level, lines)
+    own = np.where(np.arange(len(found.largest)) == place, found.largest, 0.0)
+    return judged(places, basis.shapes, own, found.amount)
 
 
 def _moved(basis: ModalBasis, axis: int) -> MovedMass:
