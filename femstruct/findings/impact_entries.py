@@ -224,6 +224,14 @@ IMPACT: Final = (
         (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "peaks.CONVERGED"),),
     ),
     Entry(
+        "preloads-add",
+        "A link with a preload pushes a body whose contact has a preload, too.",
+        LIMITS,
+        "a link without release_at and a contact, both with a preload, act on one body",
+        "The preload of a contact is in balance with what presses it; that of a link is not. Remove the preload of a "
+        "link that presses the contact, or give it a release_at.",
+    ),
+    Entry(
         "blow-before-rest",
         "A blow comes before the structure is at rest again.",
         REMARK,

@@ -9,7 +9,8 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from femstruct import read_study, run_study
-from tests.independent.contact_events import Again, Chain, Touch, linear, power, run
+from femstruct.study.result import CaseResult
+from tests.independent.contact_events import Again, Chain, Spring, Touch, linear, power, run
 
 G = 9.80665
 
@@ -86,3 +87,42 @@ def test_a_low_pass_of_a_body_sees_its_change_of_velocity(tmp_path: Path) -> Non
     assert verdict.limit == pytest.approx(5.0 * G, rel=1e-12) and verdict.met is bool(
         right < 5.0 * G
     )  # rounding of 5 g
+
+
+CLAMPED = """
+model: none.yaml
+bodies: {part: {mass: 2 kg, above: ground}}
+contacts: {seat: {between: [part, ground], preload: 100 N, law: {type: linear, stiffness: 1 MN/m, damping: 3 kN*s/m}}}
+links: {screw: {between: [ground, part], stiffness: 200 kN/m}}
+record: {part: displacement, seat: force}
+time: {duration: 50 ms, sampling: 10 kHz}
+"""
+
+
+def clamped(folder: Path, old: str = "", new: str = "") -> CaseResult:
+    (folder / "none.yaml").write_text("structure: none\n")
+    (folder / "s.study.yaml").write_text(CLAMPED.replace(old, new) if old else CLAMPED)
+    return run_study(read_study(folder / "s.study.yaml")).cases["as given"]
+
+
+def test_what_presses_a_contact_needs_no_preload_of_its_own(tmp_path: Path) -> None:
+    """A preload of a contact alone is a state of rest; with one of the link, too, 100 N more come from nowhere."""
+    rest = clamped(tmp_path)
+    assert not rest.channels["part displacement"].values.any()
+    assert rest.channels["seat force"].values == pytest.approx(100.0, rel=1e-12)  # rounding
+    assert "preloads-add" not in {one.code for one in rest.findings}
+    both = clamped(tmp_path, "200 kN/m}", "200 kN/m, preload: 100 N}")
+    # ends that a link drives apart: the part up; its contact opens where the rest is reached
+    chain = Chain(
+        bodies={"part": 2.0},
+        touches=[Touch("seat", "part", None, linear(1e6, 3e3), preload=100.0)],
+        springs=[Spring("part", None, 2e5, push=100.0)],
+    )
+    moved = run(chain, 0.05, max_step=1e-4).moved("part", both.response.t)
+    assert np.abs(moved).max() > 1e-5
+    # DOP853 at 1e-11 against ours, through events
+    assert both.channels["part displacement"].values == pytest.approx(moved, abs=1e-7 * np.abs(moved).max())
+    (told,) = [one for one in both.findings if one.code == "preloads-add"]
+    assert "pushes 'part' from the start, beside the 100 N of contact 'seat'" in told.message
+    later = clamped(tmp_path, "200 kN/m}", "200 kN/m, preload: 100 N, release_at: 10 ms}")
+    assert "preloads-add" not in {one.code for one in later.findings}

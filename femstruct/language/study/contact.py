@@ -33,7 +33,11 @@ class BetweenSpec(Spec):
 
 
 class ContactSpec(BetweenSpec):
-    """A unilateral law between two ends; gap and preload are those of the rest state."""
+    """A unilateral law between two ends.
+
+    gap: opening at t = 0. preload: force that the contact has at rest; what presses it there, such as a spring or a
+    screw, is in balance with it and is left out: a link needs no preload for it.
+    """
 
     law: AnyLaw
     gap: Gap = 0.0

@@ -31,6 +31,9 @@ class LinkSpec(BetweenSpec):
 
     frequency, ratio: in place of stiffness and damping, the natural frequency and damping ratio of its body when the
     other end is held, as tuned dampers are given: k = m (2 pi f)^2, c = 2 ratio sqrt(k m).
+    A link has no force at t = 0, or at release_at: what it carries at rest, such as weight, is in balance and left out.
+    preload: a force that is not in balance then and pushes the ends apart, as that of a spring that is released. Of a
+    spring that holds a contact closed the force is the preload of the contact alone: both act.
     """
 
     at_most_one_of = (("stiffness", "frequency"), ("damping", "ratio"))

@@ -38,6 +38,7 @@ def study_findings(case: Case, places: Places) -> list[Finding]:
     about += [(plan.name, one) for plan in study.rooms for one in near_microphones(plan, study, places)]
     found += room_findings(about)
     if time is not None:
+        found += _preloads_that_add(study)
         found += hammer_findings(study, places)
         found += load_findings(study.loads, time.duration)
         found += _coarse_loads(study, time)
@@ -46,6 +47,21 @@ def study_findings(case: Case, places: Places) -> list[Finding]:
         told = [(plan.name, one) for plan in study.rooms for one in rated_findings(plan, study, len(case.studies))]
         found += room_findings(told)
     return found
+
+
+def _preloads_that_add(study: Study) -> Iterator[Finding]:
+    """Links that push from the start on bodies whose contacts have a preload, which something holds already."""
+    bodies = {body.name for body in study.bodies}
+    for link in (one for one in study.links if one.preload and not one.release_at):
+        for contact in (one for one in study.contacts if one.preload):
+            for body in bodies.intersection(link.between).intersection(contact.between):
+                yield Finding(
+                    "preloads-add",
+                    f"links.{link.name}: its preload of {link.preload:.4g} N pushes '{body}' from the start, beside "
+                    f"the {contact.preload:.4g} N of contact '{contact.name}', which are in balance already. If "
+                    "the link is what presses the contact, remove its preload",
+                    {"link_n": link.preload, "contact_n": contact.preload},
+                )
 
 
 def _coarse_loads(study: Study, time: TimePlan) -> Iterator[Finding]:
