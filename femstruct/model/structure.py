@@ -39,8 +39,9 @@ class Joint:
     """Where two parts touch they move together: rigid (all six), pinned (translations), sliding (all but along the line
     on which they touch).
 
-    Slabs and shells that touch along lines are joined all along them, whether their nodes coincide or not; bars where
-    they end on cells of a slab or shell. Other parts are joined where nodes of both are at one place.
+    Slabs and shells that touch along lines are joined all along them, whether their nodes coincide or not, and solids
+    all over the flat faces that touch; bars where they end on cells of a slab or shell. Other parts are joined where
+    nodes of both are at one place.
 
     sets : of parts that are meshes, by name of the part: the set of it that is joined. reach : nodes of the first part
     follow the nearest of the second within this distance [m], on rigid arms, as from the edge of a web on the face of a

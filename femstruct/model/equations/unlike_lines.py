@@ -19,6 +19,7 @@ _ORDER: Final = 4  # Gauss points of a piece: exact for the products of motions 
 _SHORT: Final = 1e-9  # of an edge: pieces that are shorter are rounding
 _CURVED: Final = np.deg2rad(46.0)  # chords that turn by more at a node are a corner: an octagon is a curve
 _ROUNDED: Final = 1.1  # a margin on bows, of chords of unequal lengths
+_BESIDE: Final = 0.05  # of the diagonal of a part: chords of an octagon are less off its circle
 _EQUAL: Final = 1e-6  # of a length: lines that differ by less are as long
 
 
@@ -94,7 +95,7 @@ def _touch(
     edges, facing = part.edges_of_cells, other.edges_of_cells
     assert edges is not None
     assert facing is not None
-    on, off = np.zeros(len(points), dtype=bool), other.off_cells(points[own])
+    on, off = np.zeros(len(points), dtype=bool), off_near(other, points[own])
     on[own] = off <= tolerance
     if on[part.quads].all(axis=1).any():
         return None
@@ -131,6 +132,17 @@ def rim_of(part: Meshed) -> Integers:
     sides = np.stack([part.quads, np.roll(part.quads, -1, axis=1)], axis=2).reshape(-1, 2)
     edges, times = np.unique(np.sort(sides[sides[:, 0] != sides[:, 1]], axis=1), axis=0, return_counts=True)
     return np.asarray(edges[times == 1])
+
+
+def off_near(part: Meshed, places: Floats) -> Floats:
+    """How far places [p, 3] are off cells of a part [p] [m], infinite for those that are far beside all of it."""
+    low, high = part.places.min(axis=0), part.places.max(axis=0)
+    beside = _BESIDE * float(np.linalg.norm(high - low))
+    near = np.flatnonzero(((places >= low - beside) & (places <= high + beside)).all(axis=1))
+    found = np.full(len(places), np.inf)
+    if len(near):
+        found[near] = part.off_cells(places[near])
+    return found
 
 
 def bow_between(

@@ -15,7 +15,7 @@ from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import Finding
 from femstruct.model.anchors import places_of
 from femstruct.model.equations.shared_nodes import Shared, shared_nodes
-from femstruct.model.equations.unlike_lines import bow_between
+from femstruct.model.equations.unlike_lines import bow_between, off_near
 from femstruct.model.grid.joined_nodes import coincident_pairs, joined_nodes
 from femstruct.model.imported.flat_cells import area_vectors
 from femstruct.model.meshed import Meshed
@@ -94,7 +94,7 @@ def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Intege
     within = _TOUCHING * _size(model)
     own = joined_nodes(joint, one.name, model, within)
     nodes = np.intersect1d(one.lines.ravel(), own) if len(one.lines) else own
-    off = other.off_cells(model.mesh.points[nodes])
+    off = off_near(other, model.mesh.points[nodes])
     there = joined_nodes(joint, other.name, model, within)
     curved = bow_between((one, other), (nodes, there), off, within, model.mesh.points) if len(one.quads) else 0.0
     within += curved
