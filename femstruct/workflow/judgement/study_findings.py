@@ -54,7 +54,7 @@ def _preloads_that_add(study: Study) -> Iterator[Finding]:
     bodies = {body.name for body in study.bodies}
     for link in (one for one in study.links if one.preload and not one.release_at):
         for contact in (one for one in study.contacts if one.preload):
-            for body in bodies.intersection(link.between).intersection(contact.between):
+            for body in sorted(bodies.intersection(link.between).intersection(contact.between)):
                 yield Finding(
                     "preloads-add",
                     f"links.{link.name}: its preload of {link.preload:.4g} N pushes '{body}' from the start, beside "
