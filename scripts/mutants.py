@@ -5,8 +5,9 @@
 Mutants are made by the operators of cosmic-ray (`pip install '.[mutants]'`), in copies of the packages. A subject is
 drawn first (elements, joints, losses, ..), then a place in its code, then one of the operators that apply there: large
 files do not hide small ones. Annotations, decorators, `raise` statements and texts of messages are left out, for they
-change no number. Each mutant meets `scripts/verify.py` alone, with seeds that the unchanged code passes; tests are not
-run. What survives is listed with its line, to be read: it is equivalent, or a place that no check reaches.
+change no number; so are the kinds of exceptions that are caught. Each mutant meets `scripts/verify.py` alone, those of
+its subject first; tests are not run. Found is what differs from the verdicts of the unchanged code: wrong, refused,
+told or crashed. What survives is listed with its line, to be read: it is equivalent, or a place that no check reaches.
 """
 
 import argparse
@@ -42,6 +43,18 @@ SUBJECTS: Mapping[str, tuple[str, ...]] = {
     "levels": ("acoustics/levels",),
     "readers": ("femstruct/files/inputs", "femstruct/language/model", "femstruct/language/parts"),
     "sweeps": ("femstruct/campaign", "femstruct/study/campaign"),
+}
+
+# Capabilities of the machine that come first, by parts of their names; all the others follow.
+FIRST: Mapping[str, tuple[str, ...]] = {
+    "elements": ("any answer", "slabs", "plates", "solids", "closed form"),
+    "joints": ("joints", "bars", "slabs: two", "limits", "any answer"),
+    "losses": ("lose", "loses", "losses", "damping", "any answer"),
+    "laws": ("impacts", "evaluations"),
+    "rooms": ("rooms", "levels"),
+    "levels": ("levels", "rooms"),
+    "readers": ("decks", "exchange", "said otherwise", "tables"),
+    "sweeps": ("sweeps",),
 }
 
 
@@ -90,7 +103,7 @@ def _mutants_of(subject: str, path: Path) -> Iterator[tuple[tuple[int, int], Mut
     tree, spans = get_ast(source), _spans_without_numbers(source)
     nodes = list(ast_nodes(tree))
     for name in operator_names():
-        if get_operator(name).arguments():
+        if get_operator(name).arguments() or "ExceptionReplacer" in name:
             continue
         operator = get_operator(name)()
         places = (start for node in nodes for start, _ in operator.mutation_positions(node))
@@ -121,10 +134,14 @@ def drawn(count: int, seed: int, subjects: Sequence[str]) -> list[Mutant]:
     return chosen
 
 
-def _checked(tree: Path, faults: Path, options: argparse.Namespace) -> tuple[str, list[str]]:
-    """What the machine says of a tree: "found" or "survived", and its last lines. faults : where it writes models."""
-    command = [sys.executable, "scripts/verify.py", "--until-fault", "--workers", "1", "--limit", "60"]
-    command += ["--seconds", str(options.seconds), "--seed", str(options.checks_seed), "-o", str(faults)]
+def _checked(tree: Path, faults: Path, options: argparse.Namespace, subject: str = "") -> tuple[str, list[str]]:
+    """What the machine says of a tree: "found" or "survived", and its last lines. faults : where it writes models;
+    subject : whose capabilities come first. Without one the tree is the unchanged one, whose verdicts are kept."""
+    command = [sys.executable, "scripts/verify.py", "--limit", "60", "--seed", str(options.checks_seed)]
+    command += ["--verdicts", str(options.output.resolve() / "verdicts.json"), "-o", str(faults)]
+    command += ["--workers", "1" if subject else str(options.workers), "--seconds", str(options.seconds)]
+    command += ["--until-fault"] if subject else []
+    command += [word for part in FIRST.get(subject, ()) for word in ("--first", part)]
     env = {"PYTHONPATH": f"{tree}:{tree / 'scripts'}", "OMP_NUM_THREADS": "1"}
     env["FEMSTRUCT_CACHE"] = str(options.output.resolve() / "kernels")  # those that a mutant leaves alone are shared
     try:
@@ -159,7 +176,7 @@ def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, floa
         if code is None:
             return mutant, "does not apply", 0.0
         changed.write_text(code, encoding="utf-8")
-        word, lines = _checked(copy, copy / "faults", options)
+        word, lines = _checked(copy, copy / "faults", options, mutant.subject)
     difference = difflib.unified_diff(before.splitlines(), code.splitlines(), lineterm="", n=1)
     kept = options.output / f"{word}_{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
     kept.write_text("\n".join([str(mutant), *difference, *lines[:60]]) + "\n", encoding="utf-8")
@@ -190,6 +207,7 @@ def main() -> int:
         print("\n".join(map(str, mutants)))
         return 0
     options.output.mkdir(parents=True, exist_ok=True)
+    (options.output / "verdicts.json").unlink(missing_ok=True)
     word, lines = _checked(TOP, options.output / "unchanged", options)
     if word == "found":
         print("\n".join(["the unchanged code has a fault with these seeds: mend it first", *lines]), file=sys.stderr)

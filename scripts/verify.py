@@ -7,6 +7,7 @@ makes the same checks; a check is found again with its capability and --only IND
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 from collections.abc import Sequence
@@ -31,22 +32,30 @@ def main() -> int:
     ask.add_argument("--limit", type=float, default=30.0, help="seconds of one check")
     ask.add_argument("--coverage", action="store_true", help="which keys and answers checks reach, kept if more")
     ask.add_argument("--until-fault", action="store_true", help="end at the first fault")
+    ask.add_argument("--first", action="append", default=[], help="part of the names that come first")
+    ask.add_argument("--verdicts", type=Path, help="of a program before it was changed, from which none may differ; "
+                     "written if it is not there")  # fmt: skip
     ask.add_argument("-o", type=Path, help="folder for models that fail")
     given = ask.parse_args()
     wanted = given.capability or [""]
     chosen = [one for name, one in framework.capabilities().items() if any(part in name for part in wanted)]
+    chosen.sort(key=lambda one: not any(part in one.name for part in given.first))
     if given.coverage:
         return _coverage(chosen, given.seed, given.seconds, given.count or 2)
+    kept = json.loads(given.verdicts.read_text()) if given.verdicts and given.verdicts.exists() else None
+    fault = running.is_fault if kept is None else running.differs(kept)
     if given.only is not None:
         found = [running.check(one, given.seed, given.only, given.limit) for one in chosen]
     else:
         plan = (given.seed, given.seconds, given.workers, given.count, given.limit, given.until_fault)
-        found = running.run(chosen, *plan)
+        found = running.run(chosen, *plan, fault)
     print(f"seed {given.seed}\n{running.table(chosen, found)}")
     for path in running.write(found, given.o) if given.o else ():
         print(f"wrote {path}")
+    if given.verdicts and kept is None:
+        given.verdicts.write_text(json.dumps({f"{one.capability} {one.index}": one.verdict for one in found}, indent=0))
     checked = any(one.verdict not in ("refused", "generator") for one in found)
-    return int(not checked or any(one.verdict in running.FAULTS for one in found))
+    return int(not checked or any(map(fault, found)))
 
 
 def _coverage(chosen: Sequence[framework.Capability], seed: int, seconds: float, count: int) -> int:

@@ -8,7 +8,7 @@ import math
 import re
 import signal
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -162,30 +162,40 @@ def _changed(model: Model, path: Sequence[Any], value: float | None) -> Model:
     return fresh
 
 
-def check(one: Capability, seed: int, index: int, limit: float = 30.0) -> Checked:
+def check(one: Capability, seed: int, index: int, limit: float = 30.0, shrink: bool = True) -> Checked:
     """A case drawn and judged; a failing one is shrunk and keeps its model."""
     try:
         case = one.case(seed, index)
     except Exception as told:
         return Checked(one.name, index, "generator", words=f"{type(told).__name__}: {told}")
     found = judge(one.name, index, case, one.refuses, limit)
-    if found.verdict in ("fault", "crashed"):
+    if shrink and found.verdict in ("fault", "crashed"):
         case, found = shrunk(one.name, index, case, limit)
     told = found.verdict not in ("right",)
     return replace(found, model=as_yaml(case.model)) if told else found
 
 
-def _check_named(name: str, seed: int, index: int, limit: float) -> Checked:
-    return check(capabilities()[name], seed, index, limit)
+def _check_named(name: str, seed: int, index: int, limit: float, shrink: bool) -> Checked:
+    return check(capabilities()[name], seed, index, limit, shrink)
+
+
+def is_fault(one: Checked) -> bool:
+    """Of a program by itself: what is refused or told is none."""
+    return one.verdict in FAULTS
+
+
+def differs(kept: Mapping[str, str]) -> Callable[[Checked], bool]:
+    """Of a changed program: what the unchanged one was not; kept : its verdicts by capability and index."""
+    return lambda one: one.verdict != kept.get(f"{one.capability} {one.index}", "right")
 
 
 def run(
     chosen: Sequence[Capability], seed: int, seconds: float, workers: int = 1, count: int | None = None,
-    limit: float = 30.0, until_fault: bool = False,
+    limit: float = 30.0, until_fault: bool = False, fault: Callable[[Checked], bool] = is_fault,
 ) -> list[Checked]:  # fmt: skip
     """Checks in turn of the capabilities until the time is over, or `count` of each is done; in the order drawn.
 
-    until_fault : no new check is begun after the first fault.
+    until_fault : no new check is begun after the first fault, and none is shrunk.
     """
     end = time.monotonic() + seconds
     indices = range(count) if count is not None else itertools.count()
@@ -193,17 +203,17 @@ def run(
     done: list[Checked] = []
 
     def goes_on() -> bool:
-        return time.monotonic() < end and not (until_fault and any(one.verdict in FAULTS for one in done))
+        return time.monotonic() < end and not (until_fault and any(map(fault, done)))
 
     if workers == 1:
         for one, index in itertools.takewhile(lambda _: goes_on(), jobs):
-            done.append(check(one, seed, index, limit))
+            done.append(check(one, seed, index, limit, not until_fault))
         return done
     waiting: set[Future[Checked]] = set()
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         while True:
             while len(waiting) < 2 * workers and goes_on() and (job := next(jobs, None)):
-                waiting.add(pool.submit(_check_named, job[0].name, seed, job[1], limit))
+                waiting.add(pool.submit(_check_named, job[0].name, seed, job[1], limit, not until_fault))
             if not waiting:
                 break
             ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
