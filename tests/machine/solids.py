@@ -1,0 +1,157 @@
+"""Bars of solid elements from mesh files, against bars in closed form."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from contextlib import redirect_stderr, redirect_stdout
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final
+
+import meshio
+import numpy as np
+
+from tests.independent.frames import Skeleton, section
+from tests.machine.bars import a_material
+from tests.machine.framework import Case, Door, Floats, Model, capability
+
+Draft = dict[str, Any]
+G: Final = 9.80665
+_EDGES: Final = {
+    "hexahedron": ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+    "tetra": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+}
+_SIX: Final = ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6))
+
+
+def grid(sides: Floats, cells: tuple[int, int, int], kind: str) -> tuple[Floats, Floats]:
+    """Nodes [n, 3] and cells of a box from the origin."""
+    lines = [np.linspace(0, side, count + 1) for side, count in zip(sides, cells, strict=True)]
+    nodes = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+    k = np.arange(len(nodes)).reshape([count + 1 for count in cells])
+    low, high = slice(None, -1), slice(1, None)
+    base = [(low, low), (high, low), (high, high), (low, high)]
+    hexes = np.stack([k[x, y, z] for z in (low, high) for x, y in base], axis=-1).reshape(-1, 8)
+    plain = kind.rstrip("0123456789")
+    found = hexes if plain == "hexahedron" else np.vstack([hexes[:, list(one)] for one in _SIX])
+    if kind == plain:
+        return nodes, found
+    pairs = np.sort(found[:, np.array(_EDGES[plain])], axis=-1)
+    own, inverse = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
+    middle = len(nodes) + inverse.reshape(pairs.shape[:2])
+    return np.vstack([nodes, nodes[own].mean(axis=1)]), np.hstack([found, middle])
+
+
+def mesh_text(nodes: Floats, cells: Floats, kind: str, ending: str) -> str:
+    """A file of a format that has them."""
+    with tempfile.TemporaryDirectory() as place, redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        path = Path(place) / f"m.{ending}"
+        form: Any = {"msh": "gmsh22", "vtu": "vtu"}[ending]
+        meshio.write(path, meshio.Mesh(nodes, [(kind, cells)]), file_format=form, binary=False)
+        return path.read_text(encoding="utf-8")
+
+
+def _bar(
+    rng: np.random.Generator, kinds: tuple[str, ...], cells: tuple[int, int, int], axis: int
+) -> tuple[Draft, str, str]:
+    """A bar along a global axis, its first end clamped: the model, its file's name and text."""
+    length, width, height = (float(one) for one in (rng.uniform(1, 2), *rng.uniform(0.08, 0.15, 2)))
+    kind, ending = str(rng.choice(kinds)), str(rng.choice(["msh", "vtu"]))
+    nodes, found = grid(np.array([length, width, height]), cells, kind)
+    turned = np.roll(nodes, axis, axis=1)  # x of the bar is then that axis, right-handed
+    e = 1e-5
+    end = turned.max(axis=0) + e
+    end[axis] = e
+    draft: Draft = {
+        "materials": {"m": a_material(rng)},
+        "parts": {"b": {"type": "solid", "mesh": f"b.{ending}", "material": "m"}},
+        "points": {"tip": {"on": "b", "at": np.roll([length, 0, 0], axis).tolist()}},
+        "supports": {"wall": {"on": "b", "box": [[-e, -e, -e], end.tolist()], "fix": "clamped"}},
+        "damping": {"ratio": 0.01},
+        "sides": {"length": length, "width": width, "height": height},
+    }
+    return draft, f"b.{ending}", mesh_text(turned, found, kind, ending)
+
+
+def _inner(model: Model) -> Draft:
+    return {key: one for key, one in model.items() if key != "sides"}
+
+
+def _clear(door: Door) -> None:
+    usual = ("coarse-mesh", "stress-uneven", "modal-mass-low", "locking", "linear-tet", "sags-far")
+    door.told[:] = [one for one in door.told if not one.startswith(usual)]
+
+
+@capability("solids: hung", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """By its first end, of a material that does not contract: it shortens by rho g L^2 / 2 E, standing on it."""
+    draft, name, text = _bar(rng, ("hexahedron", "hexahedron20", "tetra10"), (6, 2, 2), 2)
+    draft["materials"]["m"]["nu"] = 0.0
+    if rng.random() < 0.4:  # along its length a material of directions is as stiff as one without
+        made = draft["materials"]["m"]
+        E = made["E"]
+        made |= {"E": [E, 0.4 * E, 0.3 * E], "G": [0.1 * E, 0.08 * E, 0.12 * E]}
+        draft["parts"]["b"] |= {"orientation": [0, 0, 1], "normal": [1, 0, 0]}
+
+    def asked(model: Model, door: Door) -> Floats:
+        found = door.ask(_inner(model), "statics", "--weight", **{name: text})
+        _clear(door)
+        return np.array(found["points"]["tip"])[[2]]
+
+    def right(model: Model, _: Door) -> Floats:
+        m, L = model["materials"]["m"], model["sides"]["length"]
+        E = m["E"][0] if isinstance(m["E"], list) else m["E"]
+        return np.array([-m["rho"] * G * L**2 / 2 / E])
+
+    return Case(draft, asked, right, 1e-5, "exact at nodes, also of linear elements; rounding of tetrahedra's lumps")
+
+
+@capability("solids: bending modes of a slender bar", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """Two planes; quadratic elements against bars with shear."""
+    axis = int(rng.integers(3))
+    draft, name, text = _bar(rng, ("hexahedron20", "tetra10"), (14, 2, 2), axis)
+
+    def asked(model: Model, door: Door) -> Floats:
+        found = door.ask(_inner(model), "modes", "--count", "2", **{name: text})
+        _clear(door)
+        return np.array(found["frequency_hz"])
+
+    def right(model: Model, _: Door) -> Floats:
+        m, of, bones = model["materials"]["m"], model["sides"], Skeleton()
+        places = [bones.place(np.array([x, 0, 0])) for x in np.linspace(0, of["length"], 3)]
+        shape = section("rectangle", width=of["width"], height=of["height"])
+        for a, b in pairwise(places):
+            bones.bar(a, b, shape, m["E"], m["E"] / 2 / (1 + m["nu"]), m["rho"])
+        bones.hold(places[0])
+        return bones.modes(2)[0]
+
+    why = "a clamped end that cannot contract, nu^2 of it over the slenderness; 14 quadratic elements along it"
+    return Case(draft, asked, right, 1.5e-2, why, each=True)
+
+
+@capability("solids: four kinds of elements are one block", "relation", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """Quadratic hexahedra and tetrahedra of a block that floats."""
+    sides = rng.uniform(0.5, 1.0, 3)
+    made = a_material(rng)
+    draft: Draft = {
+        "materials": {"m": made}, "parts": {"b": {"type": "solid", "mesh": "b.vtu", "material": "m"}},
+        "damping": {"ratio": 0.01}, "sides": sides.tolist(),
+    }  # fmt: skip
+
+    def of(kind: str, cells: int, model: Model, door: Door) -> Floats:
+        nodes, found = grid(np.array(model["sides"]), (cells,) * 3, kind)
+        text = mesh_text(nodes, found, kind, "vtu")
+        answer = door.ask(_inner(model), "modes", "--count", "9", **{"b.vtu": text})
+        _clear(door)
+        return np.array(answer["frequency_hz"])[6:]
+
+    def asked(model: Model, door: Door) -> Floats:
+        return of("tetra10", 4, model, door)
+
+    def right(model: Model, door: Door) -> Floats:
+        return of("hexahedron20", 4, model, door)
+
+    return Case(draft, asked, right, 6e-3, "4 cells a side, of fourth order both: below 3e-3 each", each=True)
