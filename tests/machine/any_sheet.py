@@ -53,7 +53,8 @@ def _answers(
         answers = ANSWERS
     drives = ("d.z",) if "d" in draft["points"] else ()
     refine = _refined if thick else as_it_is
-    subject = Subject(draft, lambda one: read(one, order), drives, ways, accuracy, why, refine, _ASIDE, (), answers)
+    subject = Subject(draft, lambda one: read(one, order), drives, ways, accuracy, why, refine, _ASIDE, (), answers,
+                      pushed=not thick)  # fmt: skip
     return case_of(rng, subject)
 
 
@@ -332,7 +333,7 @@ def _(rng: np.random.Generator) -> Case:
 
 @capability("any answer: slabs of layers", "independent", slow=True)
 def _(rng: np.random.Generator) -> Case:
-    draft = _slab(rng, 25.0)
+    draft = _slab(rng, 80.0)  # shear of layers by 5/6 of their moduli is the program's nearly
     part = draft["parts"]["p"]
     h, core = part.pop("thickness"), part.pop("material")
     draft["materials"]["n"] = material(rng, True)

@@ -32,7 +32,8 @@ def as_it_is(model: Model, ask: Ask) -> Floats:
 @dataclass(frozen=True)
 class Subject:
     """draft : a model; form : its independent form; drives, seen : ways such as "q.z"; refine : how an answer is taken
-    from meshes; accuracy : of natural frequencies and of answers at rest, relative; aside : findings that do not count.
+    from meshes; accuracy : of natural frequencies, relative; at_rest : of answers at rest, where it is another; aside :
+    findings that do not count; pushed : at rest too, where the form must be right beside a force.
     """
 
     draft: Draft
@@ -45,6 +46,8 @@ class Subject:
     aside: tuple[str, ...] = ()
     knobs: tuple[str, ...] = ()
     answers: tuple[str, ...] = ANSWERS
+    at_rest: float | None = None
+    pushed: bool = True
 
     def clear(self, door: Door) -> None:
         door.told[:] = [one for one in door.told if not one.startswith(self.aside)] if self.aside else door.told
@@ -151,7 +154,7 @@ def _poles(one: Subject) -> Case:
 def _statics(rng: np.random.Generator, one: Subject) -> Case:
     """Under forces, weight, or both."""
     kind = rng.integers(3)
-    if not one.drives:
+    if not (one.drives and one.pushed):
         kind = 1
     forces = {words: float(f"{rng.normal() * 100:.3g}") for words in one.drives} if kind != 1 else {}
 
@@ -171,7 +174,8 @@ def _statics(rng: np.random.Generator, one: Subject) -> Case:
         found = form.rest(form.load({way(words): size for words, size in forces.items()}, bool(kind > 0)))
         return np.array([form.rows[way(words)] @ found for words in one.seen])
 
-    return Case(one.draft, asked, right, one.accuracy, one.reason, one.knobs)
+    tolerance = one.accuracy if one.at_rest is None else one.at_rest
+    return Case(one.draft, asked, right, tolerance, one.reason, one.knobs)
 
 
 def _frf(rng: np.random.Generator, one: Subject) -> Case:

@@ -260,13 +260,19 @@ class Reached:
 
 
 def reached(
-    one: Capability, seed: int, index: int, wanted: frozenset[str] | None = None, end: float = np.inf
-) -> list[Reached]:
-    """Cells that a check reaches. wanted : these keys alone; off above 1 : the program did not follow."""
-    case, found, done = one.case(seed, index), [], set()
+    one: Capability, seed: int, index: int, wanted: frozenset[str] | None = None, end: float = np.inf,
+    have: frozenset[tuple[str, str]] = frozenset(),
+) -> list[Reached]:  # fmt: skip
+    """Cells that a check reaches. wanted : these keys alone; have : cells that are not asked again; off above 1 : the
+    program did not follow."""
+    case, found, done, asked = one.case(seed, index), [], set(), _Watched()
     before = _flat(case.right(case.model, Door()))
+    if have:
+        case.asked(case.model, asked)
     for key, model in changes(case.model):
         if key in done or (wanted is not None and key not in wanted) or time.monotonic() > end:
+            continue
+        if have and all((key, column) in have for column in asked.columns):
             continue
         off, columns = _follows(case, model, before)
         if off is not None:
@@ -297,13 +303,23 @@ def _flat(answer: Any) -> Floats:
 
 def survey(chosen: Sequence[Capability], seed: int, seconds: float, count: int = 2) -> list[Reached]:
     """Cells that capabilities with an independent answer reach, within a time."""
-    end, found = time.monotonic() + seconds, []
+    end, found = time.monotonic() + seconds, list[Reached]()
+    have = {(key, column) for key, _, column in (cell.partition(" | ") for cell in stored())}
     for index in range(count):
         for one in chosen:
             if one.kind == "independent" and time.monotonic() < end:
-                have = {(cell.key, cell.column) for cell in found if cell.off <= 1}
-                found += [cell for cell in reached(one, seed, index, end=end) if (cell.key, cell.column) not in have]
+                have |= {(cell.key, cell.column) for cell in found if cell.off <= 1}
+                found += _all_of(one, seed, index, end, frozenset(have))
     return found
+
+
+def _all_of(one: Capability, seed: int, index: int, end: float, have: frozenset[tuple[str, str]]) -> list[Reached]:
+    """Nothing of a case that cannot be drawn or is refused."""
+    try:
+        found = reached(one, seed, index, end=end, have=have)
+    except Exception:
+        return []
+    return [cell for cell in found if (cell.key, cell.column) not in have]
 
 
 def stored() -> dict[str, list[Any]]:

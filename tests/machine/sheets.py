@@ -199,7 +199,15 @@ def _foundation(form: _Form, part: Mapping[str, Any], _: Model) -> None:
         rows = form.whole(name, sheet.own(local, sheet.face(part.get("side", "below"))))
         form.springs(rows, np.outer(w, sizes), loss)
         return
-    _between(form, part["between"], *_spots(form, part["between"][0], part.get("region")), np.array(sizes), loss)
+    a, b = _common(form, part["between"])
+    x, y, w = form.sheets[part["between"][0]].panel.points((0.0, a, 0.0, b))
+    _between(form, part["between"], np.column_stack([x, y]), w, np.array(sizes), loss)
+
+
+def _common(form: _Form, names: Any) -> tuple[float, float]:
+    """Sides of what two sheets with one corner have in common."""
+    panels = [form.sheets[name].panel for name in names]
+    return min(one.a for one in panels), min(one.b for one in panels)
 
 
 def _between(form: _Form, names: Any, local: Floats, w: Floats, sizes: Floats, loss: float) -> Floats:
@@ -212,21 +220,21 @@ def _between(form: _Form, names: Any, local: Floats, w: Floats, sizes: Floats, l
 
 
 def _hangers(form: _Form, part: Mapping[str, Any], _: Model) -> None:
-    panel = form.sheets[part["between"][1]].panel
+    a, b = _common(form, part["between"])
     normal, shear = (_number(part["stiffness"].get(key, 0.0)) for key in ("normal", "shear"))
     if "at" in part:
         local = np.array(part["at"], float)
         w = np.ones(len(local))
     elif "along" in part:
-        length, across = (panel.a, panel.b) if part["along"] == "x" else (panel.b, panel.a)
-        runs = []
+        length, across = (a, b) if part["along"] == "x" else (b, a)
+        panel, runs = form.sheets[part["between"][1]].panel, []
         for at in _regular(across, part["spacing"]):
             ends = np.array([[0, at], [length, at]])
             runs.append(_along(panel, ends if part["along"] == "x" else ends[:, ::-1]))
         local, w = np.vstack([one for one, _ in runs]), np.concatenate([w for _, w in runs])
     else:
         steps = np.atleast_1d(part["spacing"])
-        X, Y = np.meshgrid(_regular(panel.a, steps[0]), _regular(panel.b, steps[-1]), indexing="ij")
+        X, Y = np.meshgrid(_regular(a, steps[0]), _regular(b, steps[-1]), indexing="ij")
         local = np.column_stack([X.ravel(), Y.ravel()])
         w = np.ones(len(local))
     rows = _between(form, part["between"], local, w, np.array([shear, shear, normal]), part.get("loss_factor", 0.0))
