@@ -44,7 +44,8 @@ def _draft(rng: np.random.Generator, nodes: Floats) -> Draft:
     }
 
 
-def _plain(nodes: Floats, quads: Floats) -> str:
+def plain_deck(nodes: Floats, quads: Floats) -> str:
+    """Free fields, in order."""
     lines = ["BEGIN BULK"]
     lines += [f"GRID,{i + 1},,{x:.9f},{y:.9f},{z:.9f}" for i, (x, y, z) in enumerate(nodes)]
     lines += [f"CQUAD4,{i + 1},1,{','.join(str(one + 1) for one in quad)}" for i, quad in enumerate(quads)]
@@ -58,7 +59,7 @@ def _modes(model: Model, door: Door, **files: str) -> Floats:
 def _case(rng: np.random.Generator, nodes: Floats, quads: Floats, name: str, text: str, **more: Any) -> Case:
     """The part from a file of that name beside the plain deck."""
     draft = {**_draft(rng, nodes), "file": {"name": name, "text": text}, "more": more}
-    plain = _plain(nodes, quads)
+    plain = plain_deck(nodes, quads)
 
     def asked(model: Model, door: Door) -> Floats:
         inner: Any = {key: one for key, one in model.items() if key not in ("file", "more")}
@@ -156,7 +157,7 @@ def _quad(rng: np.random.Generator, number: int, quad: list[int]) -> str:
 def _(rng: np.random.Generator) -> Case:
     nodes, quads, _ = _mesh(rng)
     unit, size = [("mm", 1e3), ("cm", 1e2), (0.0254, 1 / 0.0254)][int(rng.integers(3))]
-    return _case(rng, nodes, quads, "q.bdf", _plain(nodes * size, quads), scale=unit)
+    return _case(rng, nodes, quads, "q.bdf", plain_deck(nodes * size, quads), scale=unit)
 
 
 @capability("decks: thickness, material and supports of the deck", "relation")

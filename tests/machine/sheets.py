@@ -53,6 +53,11 @@ class Sheet:
 
 def read(model: Model, order: int = 11) -> Linear:
     """The independent form of a model of plates and slabs."""
+    return read_form(model, order).linear(model)
+
+
+def read_form(model: Model, order: int = 11) -> Form:
+    """The same before it is closed: more may be added."""
     parts = model["parts"]
     sheets, of_loss = {}, []
     first = 0
@@ -62,13 +67,13 @@ def read(model: Model, order: int = 11) -> Linear:
             sheets[name].first = first
             first += len(sheets[name].panel.K)
             of_loss.append(lossy)
-    form = _Form(sheets, block_diag(*of_loss), first)
+    form = Form(sheets, block_diag(*of_loss), first)
     for part in parts.values():
         if part["type"] in _HANGS:
             _HANGS[part["type"]](form, part, model)
     for one in model.get("supports", {}).values():
         _support(form, one)
-    return form.linear(model)
+    return form
 
 
 def _sheet(model: Model, name: str, order: int) -> tuple[Sheet, Floats]:
@@ -106,7 +111,7 @@ def _smeared(said: Mapping[str, Any], h: float, offset: float) -> Section:
     return Section(A, offset * A, D + offset**2 * A, np.diag(said["S"]).astype(float), mass)
 
 
-class _Form:
+class Form:
     """Matrices of all sheets, as they grow."""
 
     def __init__(self, sheets: Mapping[str, Sheet], H: Floats, size: int) -> None:
@@ -114,6 +119,7 @@ class _Form:
         self.K = block_diag(*[one.panel.K for one in sheets.values()])
         self.M = block_diag(*[one.panel.M for one in sheets.values()])
         self.C = np.zeros((size, size))
+        self.ties: list[Floats] = []  # rows [n, c] of what stays zero, over all sheets
 
     def whole(self, name: str, rows: Floats) -> Floats:
         """Rows [.., c] of a sheet among all coefficients."""
@@ -139,6 +145,7 @@ class _Form:
             for name, sheet in self.sheets.items()
             if any(one.any() for one in sheet.panel.held)
         ]
+        held += [one / np.abs(one).max() for one in self.ties]
         if held:
             _, s, V_ = np.linalg.svd(np.vstack(held), full_matrices=True)
             T = V_[int(np.sum(s > 1e-9 * s[0])) :].T
@@ -164,7 +171,7 @@ class _Form:
         return found
 
 
-def _spots(form: _Form, name: str, region: Any, per_length: bool = False) -> Spots:
+def _spots(form: Form, name: str, region: Any, per_length: bool = False) -> Spots:
     """Gauss's places of a region of a sheet, or of a line or a rim along its length."""
     panel = form.sheets[name].panel
     if region in (None, "whole"):
@@ -189,7 +196,7 @@ def _along(panel: Panel, ends: Floats) -> Spots:
     return ends[0] + share * (ends[1] - ends[0]), w * float(np.linalg.norm(ends[1] - ends[0])) / 2
 
 
-def _foundation(form: _Form, part: Mapping[str, Any], _: Model) -> None:
+def _foundation(form: Form, part: Mapping[str, Any], _: Model) -> None:
     sizes = [part["stiffness"].get(key, 0.0) for key in ("shear", "shear", "normal")]
     loss = part.get("loss_factor", 0.0)
     if "on" in part:
@@ -204,13 +211,13 @@ def _foundation(form: _Form, part: Mapping[str, Any], _: Model) -> None:
     _between(form, part["between"], np.column_stack([x, y]), w, np.array(sizes), loss)
 
 
-def _common(form: _Form, names: Any) -> tuple[float, float]:
+def _common(form: Form, names: Any) -> tuple[float, float]:
     """Sides of what two sheets with one corner have in common."""
     panels = [form.sheets[name].panel for name in names]
     return min(one.a for one in panels), min(one.b for one in panels)
 
 
-def _between(form: _Form, names: Any, local: Floats, w: Floats, sizes: Floats, loss: float) -> Floats:
+def _between(form: Form, names: Any, local: Floats, w: Floats, sizes: Floats, loss: float) -> Floats:
     """Springs between two sheets above each other with one corner, in the middle of their gap; the rows."""
     upper, lower = sorted((form.sheets[name] for name in names), key=lambda one: -one.corner[2])
     middle = 0.5 * (upper.corner[2] + upper.face("below") + lower.corner[2] + lower.face("above"))
@@ -219,7 +226,7 @@ def _between(form: _Form, names: Any, local: Floats, w: Floats, sizes: Floats, l
     return np.stack(rows)
 
 
-def _hangers(form: _Form, part: Mapping[str, Any], _: Model) -> None:
+def _hangers(form: Form, part: Mapping[str, Any], _: Model) -> None:
     a, b = _common(form, part["between"])
     normal, shear = (_number(part["stiffness"].get(key, 0.0)) for key in ("normal", "shear"))
     if "at" in part:
@@ -253,7 +260,7 @@ def _number(said: Any) -> float:
     return float(str(said).split()[0])
 
 
-def _mass(form: _Form, part: Mapping[str, Any], model: Model) -> None:
+def _mass(form: Form, part: Mapping[str, Any], model: Model) -> None:
     if "at" in part:
         point = model["points"][part["at"]]
         form.masses(point["on"], np.array([point["at"]], float), np.array([_number(part["mass"])]))
@@ -263,7 +270,7 @@ def _mass(form: _Form, part: Mapping[str, Any], model: Model) -> None:
     form.masses(part["on"], local, _number(part["mass"]) * (w if per else w / w.sum()))
 
 
-def _spring(form: _Form, part: Mapping[str, Any], model: Model) -> None:
+def _spring(form: Form, part: Mapping[str, Any], model: Model) -> None:
     point = model["points"][part["between"][0]]
     sheet, at = form.sheets[point["on"]], np.array([point["at"]], float)
     both = np.vstack([sheet.R.T @ form.whole(point["on"], one[0]) for one in (sheet.own(at, 0.0), sheet.turns(at))])
@@ -273,7 +280,7 @@ def _spring(form: _Form, part: Mapping[str, Any], model: Model) -> None:
     form.C += np.einsum("da,d,db->ab", both, np.array(six[1]), both)
 
 
-def _support(form: _Form, said: Mapping[str, Any]) -> None:
+def _support(form: Form, said: Mapping[str, Any]) -> None:
     name = said["on"]
     sheet = form.sheets[name]
     panel = sheet.panel
