@@ -238,13 +238,15 @@ class Path:
             felt = np.array([_felt(self, index, number, t) for t in times])
             top = int(felt.argmax())
             most = max(most, felt[top])
-            if 0 < top < 200:
-                bounds = (times[top - 1], times[top + 1])
-                found = minimize_scalar(
-                    lambda t, i=index: -_felt(self, i, number, t), bounds=bounds, method="bounded",
-                    options={"xatol": 1e-9 * (bounds[1] - bounds[0])},
-                )  # fmt: skip
-                most = max(most, -found.fun)
+            bounds = (
+                times[max(top - 1, 0)],
+                times[min(top + 1, 200)],
+            )  # an end's neighbour too: a dashpot's first push
+            found = minimize_scalar(
+                lambda t, i=index: -_felt(self, i, number, t), bounds=bounds, method="bounded",
+                options={"xatol": 1e-9 * (bounds[1] - bounds[0])},
+            )  # fmt: skip
+            most = max(most, -found.fun)
         return float(most)
 
     def touching(self, name: str) -> list[tuple[float, float]]:

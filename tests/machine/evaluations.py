@@ -30,7 +30,7 @@ def struck(rng: np.random.Generator, kind: str = "", beside: bool = True) -> dic
     point = "Q" if base == "P" and beside else base
     time = study["time"]["duration"] / 6
     duration = float(f"{min(max(16.0 / omega[0], 0.1), 0.6):.6g}")
-    study["time"] = {"duration": duration, "sampling": float(np.ceil(max(5000.0, 40 / time, 3.2 * omega[-1])))}
+    study["time"] = {"duration": duration, "sampling": float(np.ceil(max(5000.0, 100 / time, 3.2 * omega[-1])))}
     study["record"] = {f"{point}.z": ["displacement", "velocity", "acceleration"]}
     return {**model, "point": point}
 

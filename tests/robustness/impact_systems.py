@@ -151,9 +151,21 @@ def contradictions(response: Response) -> list[str]:
     outcome = Outcome.CLOSED_AT_END if any(closed) else Outcome.SEPARATED if times else untouched
     at_rest = Outcome.RESTING if response.scene.gravity > 0.0 else Outcome.HELD
     rests = response.outcome is at_rest and outcome is Outcome.CLOSED_AT_END and (held or response.scene.gravity > 0.0)
-    if response.outcome is not outcome and not rests:
+    together = response.outcome is Outcome.TOGETHER and all(
+        _holds(contact, response) or contact.preload > 0.0
+        for contact, shut in zip(response.scene.contacts, closed, strict=True) if shut
+    )  # fmt: skip
+    if response.outcome is not outcome and not rests and not together:
         wrong.append(f"the outcome is {response.outcome.name}, the events say {outcome.name}")
     return wrong
+
+
+def _holds(contact: Contact, response: Response) -> bool:
+    """Whether a contact that pulls creeps together: c^2 >= 4 k m of the bodies it joins, without a way back out."""
+    masses = [body.mass for body in response.scene.bodies if body.name in (contact.upper, contact.lower)]
+    joined = 1.0 / sum(1.0 / mass for mass in masses) if masses else 0.0
+    law = contact.law
+    return law.tensile and isinstance(law, Linear) and law.damping**2 >= 4.0 * law.stiffness * joined > 0.0
 
 
 def _forces(contact: Contact, response: Response) -> list[str]:

@@ -34,7 +34,7 @@ class Outcome(Enum):
     CLOSED_AT_END = "A contact is closed at the end of the window: the collision is not over."
     RESTING = "Bodies under gravity came to rest on their contacts."
     HELD = "Contacts that were closed at the start are at rest; no other is closed."
-    TOGETHER = "Ends that a contact with restitution 0 holds stay together to the end."
+    TOGETHER = "Bodies that a contact with restitution 0 joins stay together to the end."
     NEVER_TOUCHED = "No contact ever closed."
     NO_CONTACTS = "There is no contact: a forced or free vibration."
 
