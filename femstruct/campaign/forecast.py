@@ -59,7 +59,7 @@ def planned(
         **{f"varies: {one.path}": _values(one) for one in campaign.varied},
         "samples": len(samples.texts),
         "cases": len(parts.plan.cases),
-        **{f"set by case '{case}' itself": ", ".join(own) for case, own in _set(campaign, parts.plan)},
+        **{f"set by case '{case}' itself": ", ".join(own) for case, own in _set_by_cases(campaign, parts.plan)},
         "structures to solve": parts.structures,
         "impacts to simulate": parts.impacts,
         "rows": f"full runs: {batch}" if isinstance(batch, str) else parts.made,
@@ -123,7 +123,7 @@ def planned_search(
     }
 
 
-def _set(campaign: Campaign, plan: Plan) -> Iterable[tuple[str, tuple[str, ...]]]:
+def _set_by_cases(campaign: Campaign, plan: Plan) -> Iterable[tuple[str, tuple[str, ...]]]:
     paths, cases = [one.path for one in campaign.varied], [case.name for case in plan.cases]
     return set_by_cases(read_yaml(campaign.file).value, paths, cases).items()
 

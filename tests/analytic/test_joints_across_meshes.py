@@ -92,7 +92,7 @@ def slab(name: str, mesh: float, size: tuple[float, float], **more: object) -> f
 
 def first(parts: tuple[fs.Slab, ...], held: tuple[tuple[str, str], ...], count: int = 3, **joint: object) -> np.ndarray:
     """Frequencies of slabs of which sets of these names are held, the second joined to the first [Hz]."""
-    joints = (fs.Joint("line", parts[0].name, parts[1].name, **joint),) if len(parts) > 1 else ()  # type: ignore
+    joints = (fs.Joint("line", parts[0].name, parts[1].name, **joint),) if len(parts) > 1 else ()  # type: ignore[arg-type]
     supports = tuple(
         fs.Support(f"s{i}", ("x", "y", "z"), on=part, region=fs.Region("set", named=name))
         for i, (part, name) in enumerate(held)
@@ -175,7 +175,7 @@ def ribbed(of: fs.Slab | fs.Plate, lines: object, mesh: float | None, count: int
         lines,
         mesh=mesh,
         start_offset=under,
-        end_offset=under,  # type: ignore
+        end_offset=under,  # type: ignore[arg-type]
     )
     region = {"region": fs.Region("set", named="rim")} if isinstance(of, fs.Slab) else {"edge": "all"}
     held = fs.Support("rim", ("x", "y", "z"), on=of.name, **region)  # type: ignore[arg-type]
@@ -388,7 +388,7 @@ def test_springs_per_length_of_ribs_and_what_has_no_line() -> None:
     cubes = fs.Solid("p", block(0.0, 2), CONCRETE), fs.Solid("q", block(1.0, 3), CONCRETE)
     for parts in ((floor, post), (floor, slab("upper", 0.1, (2.0, 1.2))), cubes):
         kind = "pinned" if parts is cubes else "rigid"
-        joint = fs.Joint("j", parts[0].name, parts[1].name, kind, stiffness={"z": 1e6}, per="length")  # type: ignore
+        joint = fs.Joint("j", parts[0].name, parts[1].name, kind, stiffness={"z": 1e6}, per="length")  # type: ignore[arg-type]
         with pytest.raises(InputError, match="do not touch along lines"):
             fs.mesh_structure(fs.Structure("r", parts, (joint,)))
 

@@ -31,7 +31,7 @@ def wall_on_floor(mesh: float, unlike: bool) -> Model:
     through = () if unlike else ((WALL_AT, 0.0),)
     floor = fs.Slab("floor", CONCRETE, 0.2, outline(4.0, 3.0), mesh=mesh, through=through)
     turned = {"origin": (WALL_AT, 0.0, 0.0), "normal": (1.0, 0.0, 0.0), "x_direction": (0.0, 1.0, 0.0)}
-    wall = fs.Slab("wall", CONCRETE, 0.15, outline(3.0, 2.0), mesh=0.8 * mesh if unlike else mesh, **turned)  # type: ignore
+    wall = fs.Slab("wall", CONCRETE, 0.15, outline(3.0, 2.0), mesh=0.8 * mesh if unlike else mesh, **turned)  # type: ignore[arg-type]
     return held((floor, wall), "floor", "wall")
 
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from tests.independent.frames import Skeleton
 from tests.independent.linear import Linear
-from tests.machine.bars import a_frame, away, bending, second
+from tests.machine.bars import a_frame, away, bending, bodies_on, second
 from tests.machine.blocks import a_block
-from tests.machine.columns import Subject, case_of
+from tests.machine.columns import ANSWERS, Subject, case_of
 from tests.machine.framework import Case, Model, capability
 from tests.machine.skeletons import SIX, read
 
@@ -31,10 +31,12 @@ def _form(model: Model) -> Linear:
     return linear(*read(model))
 
 
-def _answers(rng: np.random.Generator, draft: Draft, *places: str) -> Case:
-    """drives and seen : along any axis."""
+def _answers(rng: np.random.Generator, draft: Draft, *places: str, answers: tuple[str, ...] = ANSWERS) -> Case:
+    """Of places along any axis, under a force along the first."""
     ways = [f"{place}.{rng.choice(['x', 'y', 'z'])}" for place in places for _ in range(2)]
-    return case_of(rng, Subject(draft, _form, ways[:1], list(dict.fromkeys(ways)), 1e-3, _WHY, at_rest=1e-5))
+    return case_of(
+        rng, Subject(draft, _form, ways[:1], list(dict.fromkeys(ways)), 1e-3, _WHY, answers=answers, at_rest=1e-5)
+    )
 
 
 @capability("any answer: sections by their constants", "independent")
@@ -102,15 +104,7 @@ def _(rng: np.random.Generator) -> Case:
 @capability("any answer: masses and bodies on frames", "independent")
 def _(rng: np.random.Generator) -> Case:
     draft = a_frame(rng)
-    weigh = draft["materials"]["m"]["rho"] * 0.005
-    draft["parts"]["w"] = {"type": "mass", "at": "corner", "mass": float(weigh * rng.uniform(0.5, 2))}
-    spin = np.diag(rng.uniform(0.5, 0.7, 3)) + 0.15 * np.ones((3, 3))
-    tensor = (0.5 * weigh * 0.2) * (spin + spin.T)
-    draft["parts"]["b"] = {
-        "type": "inertia", "at": "tip", "mass": float(weigh),
-        "inertia": [*np.diag(tensor).tolist(), *(-float(tensor[i, j]) for i, j in ((0, 1), (1, 2), (2, 0)))],
-        "offset": away(rng, 0.2, 0.5).tolist(),
-    }  # fmt: skip
+    bodies_on(rng, draft, (0.5, 2), 0.15, 0.2, (0.2, 0.5))
     return _answers(rng, draft, "corner", "tip")
 
 
@@ -134,9 +128,7 @@ def _(rng: np.random.Generator) -> Case:
     for one in draft["materials"].values():
         one["loss_factor"] = float(rng.uniform(0.05, 0.15))
     draft["damping"] = {"from": "materials"}
-    ways = [f"{place}.{rng.choice(['x', 'y', 'z'])}" for place in ("end", "tip") for _ in range(2)]
-    subject = Subject(draft, _form, ways[:1], list(dict.fromkeys(ways)), 1e-3, _WHY, answers=("losses", "frf"))
-    return case_of(rng, subject)
+    return _answers(rng, draft, "end", "tip", answers=("losses", "frf"))
 
 
 @capability("any answer: blocks on springs and mats", "independent")

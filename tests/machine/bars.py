@@ -238,18 +238,28 @@ def _(rng: np.random.Generator) -> Case:
     return either(rng, draft, "tip", "corner", "foot")
 
 
+def bodies_on(
+    rng: np.random.Generator, draft: Draft, mass: tuple[float, float], coupled: float, spread: float,
+    arm: tuple[float, float],
+) -> float:  # fmt: skip
+    """A mass at the corner, in shares of what a metre of the frame weighs, and a body on an arm from the tip: inertia
+    in shares of its mass, with products; that weight [kg]."""
+    weigh = float(draft["materials"]["m"]["rho"] * 0.005)
+    draft["parts"]["w"] = {"type": "mass", "at": "corner", "mass": float(weigh * rng.uniform(*mass))}
+    spin = np.diag(rng.uniform(0.5, 0.7, 3)) + coupled * np.ones((3, 3))
+    tensor = (0.5 * weigh * spread) * (spin + spin.T)
+    draft["parts"]["b"] = {
+        "type": "inertia", "at": "tip", "mass": weigh,
+        "inertia": [*np.diag(tensor).tolist(), *(-float(tensor[i, j]) for i, j in ((0, 1), (1, 2), (2, 0)))],
+        "offset": away(rng, *arm).tolist(),
+    }  # fmt: skip
+    return weigh
+
+
 @capability("bars: masses and bodies", "independent")
 def _(rng: np.random.Generator) -> Case:
     draft = a_frame(rng)
-    weigh = draft["materials"]["m"]["rho"] * 0.005
-    draft["parts"]["w"] = {"type": "mass", "at": "corner", "mass": float(weigh * rng.uniform(0.2, 1))}
-    spin = np.diag(rng.uniform(0.5, 0.7, 3)) + 0.05 * np.ones((3, 3))
-    tensor = (0.5 * weigh * 0.05) * (spin + spin.T)
-    draft["parts"]["b"] = {
-        "type": "inertia", "at": "tip", "mass": float(weigh),
-        "inertia": [*np.diag(tensor).tolist(), *(-float(tensor[i, j]) for i, j in ((0, 1), (1, 2), (2, 0)))],
-        "offset": away(rng, 0.05, 0.3).tolist(),
-    }  # fmt: skip
+    weigh = bodies_on(rng, draft, (0.2, 1), 0.05, 0.05, (0.05, 0.3))
     draft["parts"]["l"] = {"type": "mass", "on": "f", "mass": f"{float(weigh * rng.uniform(0.2, 1)):.6g} kg/m"}
     if rng.random() < 0.4:
         return rest_case(draft, {}, weight=True)

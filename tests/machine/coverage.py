@@ -317,7 +317,7 @@ def _all_of(one: Capability, seed: int, index: int, end: float, have: frozenset[
     """Nothing of a case that cannot be drawn or is refused."""
     try:
         found = reached(one, seed, index, end=end, have=have)
-    except Exception:
+    except Exception:  # what is wrong with the case is for `running` to say
         return []
     return [cell for cell in found if (cell.key, cell.column) not in have]
 

@@ -81,10 +81,10 @@ class Linear(Law):
         Notes: c = 2 z sqrt(k m) with z from `femstruct.impact.scene.restitution.damping_ratio_for`; the contact lasts
         T = 2 swing(z) sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
 
-        With tension the restitution may be 0 beside a stiffness: the ends stay together.
+        With tension and a stiffness the restitution may be 0: the bodies stay together.
 
-        Raises InputError unless 0 < restitution <= 1, mass and duration or stiffness are positive, and one of these
-        two is given.
+        Raises InputError unless 0 < restitution <= 1 (or 0 as above), mass and duration or stiffness are positive, and
+        one of these two is given.
 
         >>> law = Linear.returning(0.5, mass=2.0, duration=0.01)
         >>> round(law.stiffness), round(law.damping, 3)
@@ -98,7 +98,9 @@ class Linear(Law):
             refuse_unless_positive("linear law duration", duration)
             if not restitution:
                 raise InputError(
-                    "linear law", got="a duration with restitution 0", expected="a stiffness", do="it stays"
+                    "linear law",
+                    got="a duration with restitution 0",
+                    expected="a stiffness: bodies that stay together have no duration of contact",
                 )
             angle = sqrt(pi**2 + log(restitution) ** 2) if tensile else 2.0 * swing(ratio)
             stiffness = mass * (angle / duration) ** 2
