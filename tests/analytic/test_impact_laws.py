@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipk, gamma
 
 from femstruct.errors import FemstructError, InputError
+from femstruct.impact.batch.batch import simulate_batch
 from femstruct.impact.laws.cubic import Cubic
 from femstruct.impact.laws.hertz import Hertz
 from femstruct.impact.laws.hunt_crossley import HuntCrossley
@@ -82,6 +83,22 @@ def test_a_body_that_stays_moves_on_with_what_it_strikes() -> None:
     for body in response.bodies.values():
         assert body.end_velocity == pytest.approx((0.5 * 0.3 - 0.2) / 0.7, rel=1e-8)  # e^(-w 0.1 s)
     assert response.outcome is Outcome.TOGETHER
+
+
+def test_which_contact_holds_and_in_which_run() -> None:
+    """A contact that holds its bodies but never closes says nothing of another that is clamped; of many runs those stay
+    together whose dashpot, stiffness and mass hold them: c^2 against 4 k m."""
+    law = Linear(1e4, damping=1e3, tensile=True)
+    clamped = Contact("clamp", "a", GROUND, Linear(1e6), preload=50.0)
+    far = Contact("far", "b", "a", law, gap=1.0)
+    scene = Scene((Body("a", 0.2), Body("b", 0.5, 0.0)), (clamped, far))
+    assert simulate(NONE, scene, Clock(0.1, 1e4)).outcome is Outcome.HELD
+    held = Scene((Body("a", 0.2, -1.0),), (Contact("wall", "a", GROUND, law),))
+    vary = {"wall.damping": [100.0, 80.0, 100.0, 100.0], "wall.stiffness": [1e4, 1e4, 2e4, 1e4],
+            "a.mass": [0.2, 0.2, 0.2, 0.3]}  # fmt: skip
+    batch = simulate_batch(NONE, held, Clock(0.5, 1e4), vary)
+    alone = [simulate(NONE, batch.scene(i), Clock(0.5, 1e4)).outcome for i in range(4)]
+    assert list(batch.outcome) == alone == [Outcome.TOGETHER, *[Outcome.SEPARATED] * 3]
 
 
 def test_two_bodies_count_with_their_reduced_mass() -> None:

@@ -165,7 +165,7 @@ def batch_of(basis: ModalBasis, clock: Clock, varied: Variation, fleet: Fleet, t
         closed=closed,
         gain=rows.of_bodies(at.gain),
     )
-    outcomes = outcomes_of(varied.scene, endings, len(table))
+    outcomes = outcomes_of(varied.scene, endings, len(table), varied.columns)
     outcome = tuple(one if ended else None for one, ended in zip(outcomes, status == DONE, strict=True))
     deepest = {name: one.max(axis=1) for name, one in rows.sides(at.deepest).items()}
     shortest = {name: one.min(axis=1) for name, one in rows.sides(at.shortest).items()}

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isfinite, sqrt
+from math import inf
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,51 +38,55 @@ class Endings:
     gain: Mapping[str, Floats]
 
 
-def outcomes_of(scene: Scene, endings: Endings, runs: int) -> tuple[Outcome, ...]:
-    """The outcome of every run of a scene; gravity and contacts are the same in all."""
-    touched = np.zeros(runs, dtype=bool)
-    closed = np.zeros(runs, dtype=bool)
-    for name in endings.closed:
-        touched |= ~np.isnan(endings.last[name])
-        closed |= endings.closed[name]
+def outcomes_of(
+    scene: Scene, endings: Endings, runs: int, columns: Mapping[str, Floats] = MappingProxyType({})
+) -> tuple[Outcome, ...]:
+    """The outcome of every run of a scene; gravity and kinds of contacts are the same in all. columns : what differs
+    [runs], by BODY.mass, CONTACT.stiffness, CONTACT.damping."""
+    touched, closed, together = (np.zeros(runs, dtype=bool) for _ in range(3))
+    still = {}
+    for contact in scene.contacts:
+        last, shut = endings.last[contact.name], endings.closed[contact.name]
+        touched |= ~np.isnan(last)
+        closed |= shut
+        still[contact.name] = shut & (endings.duration - last > _settling(scene, contact, columns))
+        together |= still[contact.name]
     held = any(contact.preload > 0.0 for contact in scene.contacts)
     kinds = (*Outcome,)
     which = np.full(runs, kinds.index(Outcome.SEPARATED))
     which[closed] = kinds.index(Outcome.CLOSED_AT_END)
-    which[closed & _rest(scene, endings, runs)] = kinds.index(_at_rest(scene))
+    rest = closed & _rest(scene, endings, still)
+    which[rest] = kinds.index(Outcome.RESTING if scene.gravity > 0.0 else Outcome.HELD)
+    if not scene.gravity > 0.0:
+        which[rest & together] = kinds.index(Outcome.TOGETHER)
     untouched = Outcome.HELD if held else Outcome.NEVER_TOUCHED if scene.contacts else Outcome.NO_CONTACTS
     which[~touched] = kinds.index(untouched)
     return tuple(kinds[i] for i in which)
 
 
-def _at_rest(scene: Scene) -> Outcome:
-    """How a run is called all of whose closed contacts are at rest."""
-    if scene.gravity > 0.0:
-        return Outcome.RESTING
-    together = any(isfinite(_holds_after(scene, contact)) for contact in scene.contacts)
-    return Outcome.TOGETHER if together else Outcome.HELD
-
-
-def _holds_after(scene: Scene, contact: Contact) -> float:
-    """How long after its closing [s] a contact that never lets its ends part has brought them to rest together:
-    one with a dashpot that pulls, at or beyond critical damping z. Infinite for all others.
+def _settling(scene: Scene, contact: Contact, columns: Mapping[str, Floats]) -> Floats:
+    """How long after its closing [s] a contact that never lets its bodies part has brought them to rest together
+    [runs] or [1]: one with a dashpot that pulls, at or beyond critical damping z. Infinite for all others.
 
     Notes: what is left falls as exp(-w (z - sqrt(z^2 - 1)) t).
     """
-    masses = [body.mass for body in scene.bodies if body.name in (contact.upper, contact.lower)]
+    bodies = [body for body in scene.bodies if body.name in (contact.upper, contact.lower)]
     law = contact.law
-    if not masses or not law.tensile or not isinstance(law, Linear):
-        return inf
-    w = sqrt(law.stiffness * sum(1.0 / mass for mass in masses))
-    z = 0.5 * law.damping * w / law.stiffness
-    return inf if z < 1.0 - ROUNDING else SETTLED / (w * (z - sqrt(max(z * z - 1.0, 0.0))))
+    if not bodies or not law.tensile or not isinstance(law, Linear):
+        return np.array([inf])
+    k, c = (columns.get(f"{contact.name}.{word}", np.array([getattr(law, word)])) for word in ("stiffness", "damping"))
+    w = np.sqrt(k * sum(1.0 / columns.get(f"{body.name}.mass", np.array([body.mass])) for body in bodies))
+    z = 0.5 * c * w / k
+    slowest = w * (z - np.sqrt(np.maximum(z * z - 1.0, 0.0)))
+    return np.where(z < 1.0 - ROUNDING, inf, SETTLED / np.where(z > 0.0, slowest, 1.0))
 
 
-def _rest(scene: Scene, endings: Endings, runs: int) -> Flags:
+def _rest(scene: Scene, endings: Endings, still: Mapping[str, Flags]) -> Flags:
     """Whether all contacts that are closed at the end carry a body that gravity pulls, were closed at the start or hold
-    their ends together, and did so for a while: no event in the last part of the window, in which the body hardly
-    gained speed. A ball in the middle of a bounce gains speed at many times gravity."""
-    rest = np.ones(runs, dtype=bool)
+    their bodies together, and did so for a while: no event in the last part of the window, in which the body hardly
+    gained speed. A ball in the middle of a bounce gains speed at many times gravity. still : of the contacts that hold
+    bodies together, whether these are at rest on each other."""
+    rest = np.ones(len(next(iter(still.values()), np.ones(1))), dtype=bool)
     weighing = {body.name for body in scene.bodies if body.falls and scene.gravity > 0.0}
     for contact in scene.contacts:
         last, closed = endings.last[contact.name], endings.closed[contact.name]
@@ -89,11 +94,10 @@ def _rest(scene: Scene, endings: Endings, runs: int) -> Flags:
         held = contact.preload > 0.0  # by a weight that lies on it, or by what it clamps
         bodies = [end for end in (contact.upper, contact.lower) if isinstance(end, str)]
         carried = [name for name in bodies if name in weighing or held]
-        over = endings.duration - last > _holds_after(scene, contact)
-        still = np.full(runs, bool(carried) or held) | over
+        quiet = still[contact.name] | bool(carried) | held
         for name in carried if scene.gravity > 0.0 else ():
-            still &= endings.gain[name] <= REST_ACCELERATION * scene.gravity
-        rest &= still | ~closed
+            quiet = quiet & (endings.gain[name] <= REST_ACCELERATION * scene.gravity)
+        rest &= quiet | ~closed
     return rest
 
 
