@@ -23,7 +23,7 @@ from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.region import Vector
 from femstruct.parts.of_meshes.mesh_part import MeshPart
 from femstruct.parts.of_meshes.shell_mesh import ShellMesh
-from femstruct.parts.of_meshes.shell_thickness import cell_thickness
+from femstruct.parts.of_meshes.shell_properties import cell_thickness
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,8 @@ from femstruct.model.rows import flat_rows, sparse_rows
 from femstruct.model.structure import Support, SurfaceOn
 from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.cells_mesh import CellsMesh, Words
+from femstruct.parts.of_meshes.shell_properties import spread_mass
 from femstruct.parts.of_meshes.shell_sides import mean_normal
-from femstruct.parts.of_meshes.shell_spread import spread_mass
 from femstruct.parts.of_meshes.stresses_on_faces import stresses_on_faces
 
 if TYPE_CHECKING:
