@@ -90,6 +90,11 @@ class Law(ABC):
         """The same for many runs: by code, the indentation [m] above which a run has the finding; -inf for any."""
         return {}
 
+    def settling_time(self, mass: Floats, columns: Mapping[str, Floats]) -> Floats | None:
+        """How long after they met bodies are at rest together [runs] [s], inf where they part; None of a law that never
+        holds its bodies. mass [runs] or [1] : reduced, of both [kg]. columns : of its fields that vary [runs]."""
+        return None
+
     @staticmethod
     def rests(preload: Floats, laws: Records) -> Floats | None:
         """Indentations at rest under preloads [runs] [m], by numbers of the engine; None without a closed form."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import log, pi, sqrt
+from math import inf, log, pi, sqrt
 from typing import ClassVar, Final, Self
 
 import numpy as np
@@ -15,6 +16,9 @@ from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
 from femstruct.impact.scene.restitution import damping_ratio_for, swing
+
+SETTLED: Final = 10.0  # time constants after which e^-10 is left
+_ROUNDING: Final = 1e-9  # of critical damping, as a law made from a restitution of 0 has it
 
 
 @kernel
@@ -63,6 +67,15 @@ class Linear(Law):
     def __post_init__(self) -> None:
         refuse_unless_positive(f"{self.word} law stiffness", self.stiffness)
         refuse_negative(f"{self.word} law damping", self.damping)
+
+    def settling_time(self, mass: Floats, columns: Mapping[str, Floats]) -> Floats | None:
+        """Of a dashpot that pulls, at or beyond critical damping z: motion falls as exp(-w (z - sqrt(z^2 - 1)) t)."""
+        if not self.tensile:
+            return None
+        k, c = (columns.get(word, np.array([getattr(self, word)])) for word in ("stiffness", "damping"))
+        w, z = np.sqrt(k / mass), 0.5 * c / np.sqrt(k * mass)
+        slowest = w * (z - np.sqrt(np.maximum(z * z - 1.0, 0.0)))
+        return np.where(z < 1.0 - _ROUNDING, inf, SETTLED / np.where(z > 0.0, slowest, 1.0))
 
     @classmethod
     def returning(

@@ -11,14 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
-from femstruct.impact.laws.linear import Linear
 from femstruct.impact.result.response import Outcome
 from femstruct.impact.scene.bodies import Contact, Scene
 
 LAST = 0.125  # share of the window in which bodies that rest no longer bounce
 REST_ACCELERATION = 0.1  # share of gravity that their mean acceleration may have in it
-SETTLED = 10.0  # time constants after which e^-10 is left
-ROUNDING = 1e-9  # of critical damping, as a law made from a restitution of 0 has it
 
 Flags = NDArray[np.bool_]
 
@@ -66,19 +63,15 @@ def outcomes_of(
 
 def _settling(scene: Scene, contact: Contact, columns: Mapping[str, Floats]) -> Floats:
     """How long after its closing [s] a contact that never lets its bodies part has brought them to rest together
-    [runs] or [1]: one with a dashpot that pulls, at or beyond critical damping z. Infinite for all others.
-
-    Notes: what is left falls as exp(-w (z - sqrt(z^2 - 1)) t).
-    """
+    [runs] or [1]; infinite for all others."""
     bodies = [body for body in scene.bodies if body.name in (contact.upper, contact.lower)]
-    law = contact.law
-    if not bodies or not law.tensile or not isinstance(law, Linear):
+    if not bodies:
         return np.array([inf])
-    k, c = (columns.get(f"{contact.name}.{word}", np.array([getattr(law, word)])) for word in ("stiffness", "damping"))
-    w = np.sqrt(k * sum(1.0 / columns.get(f"{body.name}.mass", np.array([body.mass])) for body in bodies))
-    z = 0.5 * c * w / k
-    slowest = w * (z - np.sqrt(np.maximum(z * z - 1.0, 0.0)))
-    return np.where(z < 1.0 - ROUNDING, inf, SETTLED / np.where(z > 0.0, slowest, 1.0))
+    mass = 1.0 / sum(1.0 / columns.get(f"{body.name}.mass", np.array([body.mass])) for body in bodies)
+    prefix = f"{contact.name}."
+    own = {name.removeprefix(prefix): one for name, one in columns.items() if name.startswith(prefix)}
+    found = contact.law.settling_time(np.asarray(mass), own)
+    return np.array([inf]) if found is None else found
 
 
 def _rest(scene: Scene, endings: Endings, still: Mapping[str, Flags]) -> Flags:
