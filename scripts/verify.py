@@ -60,8 +60,10 @@ def main() -> int:
 
 def _coverage(chosen: Sequence[framework.Capability], seed: int, seconds: float, count: int) -> int:
     """The table of keys and answers; exit 1 if the program did not follow where an answer moved."""
-    found = coverage.survey(chosen, seed, seconds, count)
-    coverage.keep(found)
+    found = []
+    for some in coverage.survey(chosen, seed, seconds, count):
+        coverage.keep(some)  # at once: what was found stays if this is stopped
+        found += some
     print(coverage.table(frozenset(tuple(cell.split(" | ")) for cell in coverage.stored())))  # type: ignore[misc]
     wrong = [cell for cell in found if not cell.off <= 1]
     for cell in wrong:

@@ -301,16 +301,16 @@ def _flat(answer: Any) -> Floats:
     return np.atleast_1d(np.asarray(answer, dtype=float)).ravel()
 
 
-def survey(chosen: Sequence[Capability], seed: int, seconds: float, count: int = 2) -> list[Reached]:
-    """Cells that capabilities with an independent answer reach, within a time."""
-    end, found = time.monotonic() + seconds, list[Reached]()
+def survey(chosen: Sequence[Capability], seed: int, seconds: float, count: int = 2) -> Iterator[list[Reached]]:
+    """Cells that capabilities with an independent answer reach, check by check, within a time."""
+    end = time.monotonic() + seconds
     have = {(key, column) for key, _, column in (cell.partition(" | ") for cell in stored())}
     for index in range(count):
         for one in chosen:
             if one.kind == "independent" and time.monotonic() < end:
+                found = _all_of(one, seed, index, end, frozenset(have))
                 have |= {(cell.key, cell.column) for cell in found if cell.off <= 1}
-                found += _all_of(one, seed, index, end, frozenset(have))
-    return found
+                yield found
 
 
 def _all_of(one: Capability, seed: int, index: int, end: float, have: frozenset[tuple[str, str]]) -> list[Reached]:
