@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from femstruct import read_results, read_study, run_study, write_results
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.tables.study_tables import summary
-from femstruct.impact.evaluations.shock import shock_spectrum
+from femstruct.impact.evaluations.shock import ShockRequest, shock_spectrum
 
 SAMPLING = 50e3
 
@@ -33,6 +33,16 @@ def test_a_half_sine_is_amplified_by_1_77_at_most() -> None:
     dv = 100.0 * 2 * duration / np.pi
     assert found.maximax[0] == pytest.approx(2 * np.pi * dv, rel=1e-3)  # (f T)^2 / 2 at 1 Hz
     assert found.maximax[-1] == pytest.approx(100.0, rel=0.05)  # it still rings by 1 / (2 f T)
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.03, 0.05])
+def test_the_largest_of_a_spectrum_is_that_of_a_resonance(ratio: float) -> None:
+    """A base that hums: sqrt(1 + 4 zeta^2) / 2 zeta at its frequency, wherever that lies between the lines."""
+    rate, t = 4000.0, np.arange(0.0, 0.08 / ratio, 1.0 / 4000.0)
+    for hum in 97.0 * 2.0 ** (np.arange(7) / 97.0):
+        found = ShockRequest("s", "m.z", ratio, (20.0, 400.0)).answer(np.sin(2 * np.pi * hum * t), rate)
+        right = np.sqrt(1 + 4 * ratio**2) / (2 * ratio)
+        assert 0.965 * right < found.largest < 1.005 * right  # 3 % of the lines, .5 % of samples and of the start
 
 
 @pytest.mark.parametrize(("frequency", "ratio"), [(30.0, 0.05), (90.0, 0.0), (400.0, 0.2)])

@@ -64,7 +64,7 @@ def _settled(draw: Callable[[np.random.Generator], Case]) -> Callable[[np.random
 def _answers(
     rng: np.random.Generator, draft: Draft, *ways: str, accuracy: float = 2e-3, order: int = 11, why: str = _THIN
 ) -> Case:
-    """Of places `ways`, under a force at d; where polynomials of two orders less say the same to half the tolerance."""
+    """Of places `ways` under a force at d; polynomials of two orders less agree to a quarter of the tolerance."""
     thick = any(part["type"] == "slab" for part in draft["parts"].values())
     refine = _refined if thick else as_it_is
     cases = []
@@ -74,7 +74,7 @@ def _answers(
         cases.append(case_of(copy.deepcopy(rng) if less else rng, subject))
     rough, fine = (np.asarray(one.right(cases[1].model, Door())) for one in cases)
     size = np.abs(fine) if cases[1].each else np.abs(fine).max()
-    if rough.shape != fine.shape or (np.abs(rough - fine) > 0.5 * cases[1].tolerance * size).any():
+    if rough.shape != fine.shape or (np.abs(rough - fine) > 0.25 * cases[1].tolerance * size).any():
         raise _NotSettled
     return cases[1]
 

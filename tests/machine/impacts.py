@@ -254,7 +254,7 @@ def _or_zero(x: float | None) -> float:
 def numbers_right(model: Model, _: Door | None = None, rtol: float = 1e-11) -> Floats:
     """The same by events."""
     path, size = path_of(model, rtol), _sizes(model)
-    end = np.array([model["study"]["time"]["duration"]])
+    end = np.array([len(times_of(model)) / model["study"]["time"]["sampling"]])  # whole samples
     forces = [path.peak(name) / size["N"] for name in _names(model)]
     opened = []
     for name in _names(model):

@@ -56,7 +56,7 @@ def _bar(
     rng: np.random.Generator, kinds: tuple[str, ...], cells: tuple[int, int, int], axis: int
 ) -> tuple[Draft, str, str]:
     """A bar along a global axis, its first end clamped: the model, its file's name and text."""
-    length, width, height = (float(one) for one in (rng.uniform(1, 2), *rng.uniform(0.08, 0.15, 2)))
+    length, width, height = (float(one) for one in (rng.uniform(1.5, 2), *rng.uniform(0.08, 0.13, 2)))
     kind, ending = str(rng.choice(kinds)), str(rng.choice(["msh", "vtu"]))
     nodes, found = grid(np.array([length, width, height]), cells, kind)
     turned = np.roll(nodes, axis, axis=1)  # x of the bar is then that axis, right-handed

@@ -9,13 +9,14 @@ from femstruct.language.yaml import Band, Count, Here, Ratio
 
 class ShockSpec(EvaluationSpec):
     """The largest accelerations of oscillators that stand where an acceleration is recorded: of: POINT.z, their damping
-    ratio, the band of their frequencies and how many there are an octave."""
+    ratio, the band of their frequencies and how many there are an octave, by default as many as show a resonance within
+    3 % (28 for 5 % of damping)."""
 
     makes = ShockRequest
     signs = (ShockRequest.key(),)
     damping: Ratio = 0.05
     band: Band
-    per_octave: Count = 12
+    per_octave: Count | None = None
 
     def check(self, here: Here) -> None:
         """Note a band that does not rise from above 0 Hz."""
