@@ -40,7 +40,10 @@ def _motion(text: str) -> tuple[Floats, Floats, Floats, float]:
     """Displacement, velocity and acceleration of the point, and the step."""
     model = json.loads(text)
     time = model["study"]["time"]
-    path = ev.run(chain_of(model), time["duration"], 1e-10, time["duration"] / 200)
+    steps = (
+        5 * time["duration"] * time["sampling"] / 100
+    )  # five and more in a contact, whose pieces change there and back
+    path = ev.run(chain_of(model), time["duration"], 1e-10, time["duration"] / max(steps, 200))
     t = np.linspace(0, time["duration"], int(min(max(3 * time["sampling"] * time["duration"], 6000), 15000)) + 1)
     point = model["point"]
     return path.moved(point, t), path.speed(point, t), path.acceleration(point, t), float(t[1])
