@@ -19,7 +19,7 @@ from tests.machine.sheets import read
 
 Draft = dict[str, Any]
 _THIN = "16 cells a side and polynomials of order 11: below 2e-3"
-_THICK = "cells halved twice and extrapolated, polynomials of order 11: below 4e-3"
+_THICK = "cells of a third and a sixth, extrapolated, polynomials of order 11: below 4e-3"
 _KINK = "16 cells a side, and polynomials of order 17 and more across a line where the shear force jumps"
 _ASIDE = (
     "thick-for-short-waves",
@@ -34,9 +34,9 @@ _SIDE = {"y0": "side 1", "x1": "side 2", "y1": "side 3", "x0": "side 4"}
 
 
 def _refined(model: Model, ask: Ask) -> Floats:
-    """Extrapolated from meshes of half and a quarter of the cells' side."""
+    """Extrapolated from meshes of a third and a sixth of the cells' side."""
     found = []
-    for times in (2, 4):
+    for times in (3, 6):
         finer: Any = copy.deepcopy(model)
         for part in finer["parts"].values():
             if part["type"] == "slab":

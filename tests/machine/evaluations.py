@@ -40,9 +40,8 @@ def _motion(text: str) -> tuple[Floats, Floats, Floats, float]:
     """Displacement, velocity and acceleration of the point, and the step."""
     model = json.loads(text)
     time = model["study"]["time"]
-    steps = (
-        5 * time["duration"] * time["sampling"] / 100
-    )  # five and more in a contact, whose pieces change there and back
+    # sixty in a contact, whose pieces change there and back
+    steps = 60 * time["duration"] * time["sampling"] / 100
     path = ev.run(chain_of(model), time["duration"], 1e-10, time["duration"] / max(steps, 200))
     t = np.linspace(0, time["duration"], int(min(max(3 * time["sampling"] * time["duration"], 6000), 15000)) + 1)
     point = model["point"]
@@ -87,11 +86,11 @@ def _felt(rng: np.random.Generator, weighting: str, key: str, kind: str, beside:
     return Case(model, asked, right, 0.02, _FILTERS, _KNOBS)
 
 
-def _over_laws(name: str, draw: Any) -> None:
+def _over_laws(name: str, draw: Any, slow: bool = False) -> None:
     """A capability of points beside the struck one, and one of the struck point, over all laws in turn."""
     for place, beside in (("beside a blow", True), ("at the struck point", False)):
 
-        @capability(f"evaluations: {name} {place}", "independent")
+        @capability(f"evaluations: {name} {place}", "independent", slow=slow)
         def _(rng: np.random.Generator, beside: bool = beside) -> Case:
             case: Case = draw(rng, str(rng.choice(LAWS)), beside)
             return case
@@ -99,7 +98,7 @@ def _over_laws(name: str, draw: Any) -> None:
 
 _over_laws("shock spectrum", _spectrum)
 for _weighting in ("KB", "Wk", "Wd", "Wm"):
-    _over_laws(_weighting, lambda rng, kind, beside, w=_weighting: _felt(rng, w, "largest", kind, beside))
+    _over_laws(_weighting, lambda rng, kind, beside, w=_weighting: _felt(rng, w, "largest", kind, beside), slow=True)
 _over_laws("vibration dose", lambda rng, kind, beside: _felt(rng, str(rng.choice(list(_CURVES))), "vdv", kind, beside))
 
 
