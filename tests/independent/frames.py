@@ -96,6 +96,9 @@ def clamped_frequencies(tube: Tube, corners: Floats, count: int, pieces: int = 1
 # Frames of any section by energies: fibres at rest and in motion of stiff sections that shear (Timoshenko), in vectors
 
 
+_UNSHEARED = 1e8  # shear of a bar that does not shear, in its stiffness in bending over the square of its length
+
+
 @dataclass(frozen=True)
 class Section:
     """Area, second moments about local y and z, torsion constant, shear coefficients; corners : outermost (y, z);
@@ -195,8 +198,11 @@ class Skeleton:
     def bar(
         self, a: int, b: int, shape: Section, E: float, G: float, rho: float, up: Floats | None = None,
         arms: tuple[Floats, Floats] = (np.zeros(3), np.zeros(3)), line_mass: float = 0.0, loss: float = 0.0,
+        slender: bool = False,
     ) -> None:  # fmt: skip
         """A straight bar from the tip of an arm at a to one at b, by one element of a high order.
+
+        slender : Euler's and Bernoulli's, whose sections neither shear nor resist to be turned about y and z.
 
         Strains at a section: u' . t, e . u' + (t x e) . turns of both shears, and the turns' slopes.
         """
@@ -209,10 +215,13 @@ class Skeleton:
         gauss, weights = np.polynomial.legendre.leggauss(n)
         N, D = self._shapes(gauss)
         B = self._strains(R, N, D * 2 / L)
-        law = np.diag([E * shape.A, G * shape.ky * shape.A, G * shape.kz * shape.A])
+        ky, kz = (
+            (_UNSHEARED * E / G * max(shape.Iy, shape.Iz) / shape.A / L**2,) * 2 if slender else (shape.ky, shape.kz)
+        )
+        law = np.diag([E * shape.A, G * ky * shape.A, G * kz * shape.A])
         law = np.pad(law, (0, 3)) + np.diag([0, 0, 0, G * shape.J, E * shape.Iy, E * shape.Iz])
         K = np.einsum("g,gia,ij,gjb->ab", weights * L / 2, B, law, B)
-        ring = R.T @ np.diag([shape.Iy + shape.Iz, shape.Iy, shape.Iz]) @ R * rho
+        ring = R.T @ np.diag([shape.Iy + shape.Iz, shape.Iy * (not slender), shape.Iz * (not slender)]) @ R * rho
         inertia = np.zeros((6, 6))
         inertia[:3, :3], inertia[3:, 3:] = np.eye(3) * (rho * shape.A + line_mass), ring
         M = np.kron(np.einsum("g,ga,gb->ab", weights * L / 2, N, N), inertia)

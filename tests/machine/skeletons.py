@@ -14,6 +14,10 @@ from tests.machine.framework import Model
 SIX = ("x", "y", "z", "rx", "ry", "rz")
 _FIXED: Mapping[str, Sequence[str]] = {"clamped": SIX, "simple": SIX[:3]}
 _NEAR = 1e-6  # places closer than this [m] are one
+LAYERS: Mapping[str, float] = {  # s' [N/m^3] as measured (Hopkins, Sound Insulation, 2007, table A4)
+    "layer rock wool 60 kg/m^3 30 mm": 10e6, "layer rock wool 100 kg/m^3 30 mm": 14e6,
+    "layer rock wool 140 kg/m^3 30 mm": 19e6, "layer glass wool 36 kg/m^3 13 mm": 28e6,
+}  # fmt: skip
 
 
 def read(model: Model, order: int = 7) -> tuple[Skeleton, dict[str, int]]:
@@ -45,9 +49,10 @@ def read(model: Model, order: int = 7) -> tuple[Skeleton, dict[str, int]]:
             terms = (key.rsplit(".", 1) for key in one["equation"])
             bones.equation({(points[p], SIX.index(d)): one["equation"][f"{p}.{d}"] for p, d in terms})
         else:
-            to = one["to"]
+            to, said = one["to"], one.get("directions", SIX)
+            held = [SIX.index(axis) for axis in ([said] if isinstance(said, str) else said)]
             for follower in [to] if isinstance(to, str) else to:
-                bones.follow(points[one["rigid"]], points[follower])
+                bones.follow(points[one["rigid"]], points[follower], held)
     return bones, points
 
 
@@ -118,7 +123,7 @@ def _bars(bones: Skeleton, name: str, part: Mapping[str, Any], cuts: Sequence[Fl
         arms = [first + s * (last - first) for s in stops]
         for (i, j), pair in zip(pairwise(ends), pairwise(arms), strict=True):
             loss = material.get("loss_factor", 0.0) if model.get("damping", {}).get("from") == "materials" else 0.0
-            bones.bar(i, j, shape, E, G, material["rho"], up, pair, extra, loss)
+            bones.bar(i, j, shape, E, G, material["rho"], up, pair, extra, loss, part.get("element") == "euler")
     return known
 
 
@@ -158,6 +163,10 @@ def _join(
     else:
         pairs = [(a, b) for a in nodes[first] for b in nodes[second]
                  if np.linalg.norm(bones.at[a] - bones.at[b]) < _NEAR]  # fmt: skip
+    if "reach" in joint:
+        nearest = [_nearest(bones, nodes[second], bones.at[a]) for a in nodes[first]]
+        pairs = [(a, b) for a, b in zip(nodes[first], nearest, strict=True)
+                 if np.linalg.norm(bones.at[a] - bones.at[b]) < joint["reach"]]  # fmt: skip
     springs = six(joint.get("stiffness"))
     tied = [k for k in range(3 if joint.get("kind") == "pinned" else 6) if not springs[k]]
     for a, b in pairs:
@@ -180,18 +189,36 @@ def _hang(bones: Skeleton, parts: Mapping[str, Any], blocks: Mapping[str, int], 
             tensor = np.array([[xx, -xy, -zx], [-xy, yy, -yz], [-zx, -yz, zz]])
             bones.body(points[part["at"]], part["mass"], tensor, np.array(part.get("offset", np.zeros(3)), float))
         elif part["type"] == "foundation":
-            _mat(bones, part, parts[part["on"]], blocks[part["on"]])
+            _mat(bones, part, parts, blocks)
 
 
-def _mat(bones: Skeleton, part: Mapping[str, Any], block: Mapping[str, Any], leader: int) -> None:
-    """Springs per area under a block, by Gauss's four places: exact for motions that are linear along it."""
-    size, region = np.array(block["size"], float), part.get("region", "whole")
-    sides = size[:2] if region == "whole" else np.array(region["rectangle"], float)
-    middle = size[:2] / 2 if region == "whole" or "at" not in region else np.array(region["at"], float)
-    push, shear = part["stiffness"]["normal"], part["stiffness"].get("shear", 0.0)
-    for sign in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
-        spot = middle + np.array(sign) * sides / 2 / np.sqrt(3)
-        at = bones.place(np.add(block["origin"], [*spot, 0.0]))
-        bones.follow(leader, at)
-        share = sides.prod() / 4
-        bones.spring(at, None, np.array([shear, shear, push, 0, 0, 0]) * share)
+def _mat(bones: Skeleton, part: Mapping[str, Any], parts: Mapping[str, Any], blocks: Mapping[str, int]) -> None:
+    """Springs per area below a block, on the ground or halfway to another below it; per length on a line or a rim."""
+    names = [part["on"]] if "on" in part else part["between"]
+    low = np.array(parts[names[0]]["origin"], float)
+    if len(names) == 2:
+        below = parts[names[1]]
+        low[2] = 0.5 * (low[2] + below["origin"][2] + below["size"][2])
+    said = part.get("stiffness") or {"normal": LAYERS[part["like"]]}
+    sizes = np.array([said.get("shear", 0.0), said.get("shear", 0.0), said["normal"], 0, 0, 0])
+    for spot, share in _spots(part.get("region", "whole"), np.array(parts[names[0]]["size"][:2], float)):
+        ends = [bones.place(low + [*spot, 0.0]) for _ in names]
+        for name, end in zip(names, ends, strict=True):
+            bones.follow(blocks[name], end)
+        bones.spring(ends[0], ends[1] if len(ends) == 2 else None, sizes * share, loss=part.get("loss_factor", 0.0))
+
+
+def _spots(region: Any, size: Floats) -> list[tuple[Floats, float]]:
+    """Gauss's places of a region and the weight of each: exact for motions that are linear along it."""
+    gauss = np.array([-1.0, 1.0]) / np.sqrt(3)
+    if region != "whole" and "line" in region:
+        ends = np.array(region["line"], float)
+        middle, half = ends.mean(axis=0), (ends[1] - ends[0]) / 2
+        return [(middle + g * half, float(np.linalg.norm(half))) for g in gauss]
+    sides = size if region == "whole" else np.array(region.get("rectangle", region.get("rim")), float)
+    middle = size / 2 if region == "whole" or "at" not in region else np.array(region["at"], float)
+    if region != "whole" and "rim" in region:
+        x, y = sides / 2
+        corners = middle + np.array([[-x, -y], [x, -y], [x, y], [-x, y], [-x, -y]])
+        return [one for k in range(4) for one in _spots({"line": corners[k : k + 2]}, size)]
+    return [(middle + np.array([g, h]) * sides / 2, sides.prod() / 4) for g in gauss for h in gauss]

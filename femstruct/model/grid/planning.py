@@ -181,7 +181,8 @@ def _bars_on_bars(layout: Layout, joint: Joint) -> None:
             if apart <= layout.tolerance:
                 layout.on_bars(joint.a, crossing)
                 layout.on_bars(joint.b, crossing)
-    _refuse_apart(layout, joint, nearest)
+    if nearest > (joint.reach or 0.0):
+        _refuse_apart(layout, joint, nearest)
 
 
 def _crossing(one: Floats, other: Floats) -> tuple[Floats, float]:
