@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from tests.machine.any_frame import linear
-from tests.machine.bars import a_frame, a_material, a_section, away
-from tests.machine.blocks import a_block
+from tests.machine.bars import a_frame, away
 from tests.machine.columns import ANSWERS, Subject, case_of
 from tests.machine.framework import Case, Model, capability
 from tests.machine.skeletons import LAYERS, SIX, read
@@ -81,7 +80,8 @@ def _(rng: np.random.Generator) -> Case:
     draft["points"] = {"root": {"on": "f", "at": ends[0].tolist()}, "end": {"on": "g", "at": ends[2].tolist()}}
     mass, inertia = float(rng.uniform(200, 500)), rng.uniform(8, 20, 3)
     draft["parts"]["b"] = {
-        "type": "inertia", "at": "end", "mass": mass, "inertia": inertia.tolist(), "offset": away(rng, 0.05, 0.1).tolist(),
+        "type": "inertia", "at": "end", "mass": mass, "inertia": inertia.tolist(),
+        "offset": away(rng, 0.05, 0.1).tolist(),
     }  # fmt: skip
     six = np.r_[np.full(3, mass), inertia + mass * 0.08] * (2 * pi * 4) ** 2 * rng.uniform(0.6, 1.5, 6)
     some = [one for one in SIX if rng.random() < 0.8] or ["rx"]
@@ -122,7 +122,8 @@ def _(rng: np.random.Generator) -> Case:
     sides = (size[:2] * rng.uniform(0.5, 0.8, 2)).round(3)
     at = (sides / 2 + (size[:2] - sides) * rng.uniform(0.1, 0.9, 2)).round(3)
     regions: Draft = {
-        "rectangle": {"rectangle": sides.tolist(), "at": at.tolist()}, "rim": {"rim": sides.tolist(), "at": at.tolist()},
+        "rectangle": {"rectangle": sides.tolist(), "at": at.tolist()},
+        "rim": {"rim": sides.tolist(), "at": at.tolist()},
         "line": {"line": [[float(at[0]), 0.02], [float(at[0]), float(size[1] * rng.uniform(0.6, 0.85))]]},
     }  # fmt: skip
     mat["region"] = regions.get(kind, "whole")
@@ -148,7 +149,7 @@ def _(rng: np.random.Generator) -> Case:
         }  # fmt: skip
         low = np.minimum(size[:2], other["parts"]["n"]["size"][:2])
         part["size"][:2] = other["parts"]["n"]["size"][:2] = low.tolist()
-        for name, point in draft["points"].items():
+        for point in draft["points"].values():
             point["at"][:2] = np.minimum(point["at"][:2], low).tolist()
     if rng.random() < 0.6:
         mat["loss_factor"], draft["damping"] = loss, {"from": "materials"}

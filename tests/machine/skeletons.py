@@ -202,7 +202,7 @@ def _mat(bones: Skeleton, part: Mapping[str, Any], parts: Mapping[str, Any], blo
     said = part.get("stiffness") or {"normal": LAYERS[part["like"]]}
     sizes = np.array([said.get("shear", 0.0), said.get("shear", 0.0), said["normal"], 0, 0, 0])
     for spot, share in _spots(part.get("region", "whole"), np.array(parts[names[0]]["size"][:2], float)):
-        ends = [bones.place(low + [*spot, 0.0]) for _ in names]
+        ends = [bones.place(low + np.append(spot, 0.0)) for _ in names]
         for name, end in zip(names, ends, strict=True):
             bones.follow(blocks[name], end)
         bones.spring(ends[0], ends[1] if len(ends) == 2 else None, sizes * share, loss=part.get("loss_factor", 0.0))
