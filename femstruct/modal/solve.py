@@ -17,6 +17,8 @@ from femstruct.modal.krylov import Krylov, converge
 from femstruct.sparse.solvers import FASTEST
 
 MOST_MODES = 3000  # they take minutes, and gigabytes in anything that rings for a while
+# Modes times degrees of freedom: the search holds some five numbers for each, which are 4 GB, and takes minutes.
+MOST_COMPONENTS = 100_000_000
 _DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
 # A rigid mode strains nothing but rounding: 1e-16 of the terms of phi^T K phi at most on plates, frames and joints
 # of all sizes tried. The softest elastic mode of a 400 x 400 plate has 1e-12, of a floor on springs at 0.2 Hz 1e-11.
@@ -94,14 +96,16 @@ def modes(
             raise FemstructError("modes up_to", got=f"{up_to_hz:g} Hz", expected="a positive frequency")
         limit = (2.0 * np.pi * up_to_hz) ** 2
         mu, wanted = _count_near(pencil, limit)
+        got = f"{wanted} modes below {up_to_hz:.4g} Hz"
         if wanted > MOST_MODES:
-            got = f"{wanted} modes below {up_to_hz:.4g} Hz"
             raise InputError("modes up_to", got=got, expected=f"at most {MOST_MODES}", do="lower the frequency")
+        _refuse_components("modes up_to", got, wanted, n, "lower the frequency or use larger cells")
         first = min(wanted + 2, n)
     else:
         assert count is not None
         if not 1 <= count <= n:
             raise FemstructError("modes count", got=f"{count}", expected=f"1 to {n}, the degrees of freedom")
+        _refuse_components("modes count", f"{count} modes", count, n, "ask for fewer or use larger cells")
         limit, mu, wanted = np.inf, np.inf, count
         first = min(count + 3, n)
     values, shapes, sigma, complete = _complete(pencil, first, mu, wanted, labels)
@@ -132,6 +136,13 @@ def signed(shapes: Floats, weights: Floats) -> Floats:
     size = np.abs(shapes) * weights[:, None]
     first = np.argmax(size >= 0.999 * size.max(axis=0), axis=0)
     return shapes * np.where(shapes[first, np.arange(shapes.shape[1])] < 0, -1.0, 1.0)
+
+
+def _refuse_components(what: str, got: str, wanted: int, n: int, do: str) -> None:
+    """Raise InputError, before the search, where as many shapes [n, wanted] do not fit into memory."""
+    if wanted * n > MOST_COMPONENTS:
+        most = f"at most {MOST_COMPONENTS // n} of so many"
+        raise InputError(what, got=f"{got} of {n} degrees of freedom", expected=most, do=do)
 
 
 def _count_near(pencil: Pencil, mu: float) -> tuple[float, int]:

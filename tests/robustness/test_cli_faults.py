@@ -172,6 +172,23 @@ def test_more_modes_than_anybody_waits_for_are_refused_with_their_number(
     assert "modes below 1000 Hz, expected at most 3; lower the frequency" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("asked", "got"), [(("--up-to", "1 kHz"), "modes below 1000 Hz of 768"), (("--count", "4"), "got 4 modes of 768")]
+)
+def test_more_shapes_than_memory_holds_are_refused(
+    asked: tuple[str, str],
+    got: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A rib with an end 750 m away has 2720 modes of 56,997 degrees of freedom: 3 GB and many minutes."""
+    monkeypatch.setattr(solve, "MOST_COMPONENTS", 3 * 768)
+    (tmp_path / "model.yaml").write_text(PLATE.replace("[4, 3]", "[16, 12]"), encoding="utf-8")
+    assert leave_with(lambda: app(["modes", str(tmp_path / "model.yaml"), *asked])) == 2
+    assert f"{got} degrees of freedom, expected at most 3 of so many; " in capsys.readouterr().err
+
+
 def test_modes_that_do_not_converge_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stiffnesses of 1 and 1e16 left the search growing for minutes."""
     monkeypatch.setattr(krylov, "MOST_VECTORS", 20)
