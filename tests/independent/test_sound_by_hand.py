@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.independent import levels
+from tests.independent.pistons import Oscillator, PistonBox
 from tests.independent.plates import (
     Box,
     SupportedPlate,
@@ -112,3 +113,40 @@ def test_air_that_pushes_back_and_power() -> None:
     flow = 2 * pi * (volumes @ free)
     # Q^2 w^2 rho / (2 pi c) of a source on a wall; inertia of the plate, twice (1 / 63)^2
     assert power == pytest.approx(flow**2 * (2 * pi) ** 2 * 1.21 / (2 * pi * 343), rel=1e-3)
+
+
+def test_a_piston_over_a_box_by_another_sum() -> None:
+    """Orders of the ceiling in closed form along the height, or by cosines of the height; and a piston that is all."""
+    size, gamma, tau, s = (1.4, 1.1, 0.9), 20.0, 1e-5, 2j * pi * np.array([30.0, 170.0, 260.0])
+    piston, place = PistonBox(size, (0.2, 0.3, 0.8, 0.5), gamma=gamma, tau=tau, orders=12), (0.3, 0.2, 0.4)
+    box = Box(size, gamma=gamma, tau=tau)
+
+    def along(order: int, start: float, long: float, whole: float) -> float:
+        x, w = np.polynomial.legendre.leggauss(40)
+        return float((w * long / 2 * np.cos(order * pi * (start + long * (x + 1) / 2) / whole)).sum())
+
+    right = sum(
+        along(i, 0.2, 0.8, 1.4) * along(j, 0.3, 0.5, 1.1) * box.per_flow(s, (i, j), place, 0.9, 200)
+        for i in range(12) for j in range(12)
+    )  # fmt: skip
+    # the tail of the sum along the height, as at rest beyond 200 orders
+    assert piston.per_velocity(s, place) == pytest.approx(right, rel=1e-5)
+    whole = PistonBox(size, (0.0, 0.0, 1.4, 1.1), orders=3)
+    k = s.imag / 343.0
+    # all orders but the first are rounding
+    assert whole.on_piston(s) == pytest.approx(-1j * 1.21 * 343 * 1.54 / np.tan(k * 0.9), rel=1e-9)
+
+
+def test_a_piston_on_air_that_leaks() -> None:
+    """Slowly, air is a spring rho c^2 S^2 / V; where the leak has no impedance there is no pressure."""
+    whole, moved = PistonBox((1.4, 1.1, 0.9), (0.0, 0.0, 1.4, 1.1), orders=3), Oscillator(10.0, 50.0, 0.02)
+    s, place = 2j * pi * np.array([0.1]), (0.3, 0.2, 0.4)
+    spring, own = 1.21 * 343**2 * 1.54 / 0.9, 10.0 * (2 * pi * 50) ** 2
+    found = whole.per_force(moved, s, place, True, None)
+    # terms of the next order in f over 50 Hz; and losses, 0.02 f / 50 Hz
+    assert found == pytest.approx(-spring / 1.54 / (own + spring), rel=1e-4)
+    plug = s * 2.0
+    # a spring rho c^2 / V of volume and the plug in parallel: p = Q / (V s / (rho c^2) + 1 / (s M))
+    soft = 0.9 * 1.54 * s / (1.21 * 343**2)
+    flow = -s * 1.54 / (own + 1.54**2 * s / (soft + 1 / plug))
+    assert whole.per_force(moved, s, place, True, plug) == pytest.approx(flow / (soft + 1 / plug), rel=1e-4)

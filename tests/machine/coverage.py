@@ -200,7 +200,7 @@ def _documents(value: Any, path: Path_) -> Iterator[tuple[str, Path_, Mapping[st
     closed = value.get("structure")
     if "parts" in value or isinstance(closed, str) or (isinstance(closed, Mapping) and "type" in closed):
         yield "model", path, value
-    elif {"bodies", "vibration", "loads", "time"} & set(value):
+    elif {"bodies", "vibration", "loads", "time", "rooms"} & set(value):
         yield "study", path, value
     else:
         for key, one in value.items():
