@@ -99,10 +99,14 @@ def _over_laws(name: str, draw: Any, slow: bool = False) -> None:
 _over_laws("shock spectrum", _spectrum)
 for _weighting in ("KB", "Wk", "Wd", "Wm"):
     _over_laws(_weighting, lambda rng, kind, beside, w=_weighting: _felt(rng, w, "largest", kind, beside), slow=True)
-_over_laws("vibration dose", lambda rng, kind, beside: _felt(rng, str(rng.choice(list(_CURVES))), "vdv", kind, beside))
+_over_laws(
+    "vibration dose",
+    lambda rng, kind, beside: _felt(rng, str(rng.choice(list(_CURVES))), "vdv", kind, beside),
+    slow=True,
+)
 
 
-@capability("evaluations: rainflow damage of a blow", "independent")
+@capability("evaluations: rainflow damage of a blow", "independent", slow=True)
 def _(rng: np.random.Generator) -> Case:
     model = struck(rng)
     slope = float(rng.uniform(2, 6))

@@ -331,7 +331,7 @@ def _(rng: np.random.Generator) -> Case:
     return Case(model, _asked, right, 1e-9, "the same sums: rounding", _KNOBS)
 
 
-@capability("rooms: two surfaces are the sum of each", "relation")
+@capability("rooms: two surfaces are the sum of each", "relation", slow=True)
 def _(rng: np.random.Generator) -> Case:
     """A plate and a copy of it 1 m lower, held by a spring to it, are the ceiling and the floor of a room."""
     model = scene(rng)

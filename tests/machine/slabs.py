@@ -174,7 +174,7 @@ def _(rng: np.random.Generator) -> Case:
     return Case(model, asked, right, 5e-3, _WHY, _KNOBS)
 
 
-@capability("slabs: what each layer loses", "independent")
+@capability("slabs: what each layer loses", "independent", slow=True)
 def _(rng: np.random.Generator) -> Case:
     model = _layered(rng)
     for one in model["materials"].values():
