@@ -53,7 +53,7 @@ FIRST: Mapping[str, tuple[str, ...]] = {
     "laws": ("impacts", "evaluations"),
     "rooms": ("rooms", "levels"),
     "levels": ("levels", "rooms"),
-    "readers": ("decks", "exchange", "said otherwise", "tables"),
+    "readers": ("decks", "formats", "exchange", "said otherwise", "tables"),
     "sweeps": ("sweeps",),
 }
 
@@ -87,6 +87,8 @@ def _spans_without_numbers(source: str) -> list[tuple[tuple[int, int], tuple[int
             found = [*node.decorator_list, *(each.annotation for each in node.body if isinstance(each, ast.AnnAssign))]
         elif isinstance(node, ast.AnnAssign):
             found = [node.annotation]
+        elif isinstance(node, ast.keyword) and node.arg == "strict":
+            found = [node.value]
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
             found = [node]
         there = [each for each in found if each is not None]

@@ -43,15 +43,23 @@ class Door:
     told: list[str] = field(default_factory=list)
 
     def ask(
-        self, model: Model, command: str, *words: str, first: Sequence[Sequence[str]] = (), **beside: Model | str
+        self,
+        model: Model,
+        command: str,
+        *words: str,
+        first: Sequence[Sequence[str]] = (),
+        **beside: Model | str | bytes,
     ) -> dict[str, Any]:
         """JSON answer of `femstruct COMMAND model.yaml WORDS --json`.
 
-        beside : further models by their name, and other files as text by name and ending; first : commands before it,
-        such as those that write what the model takes.
+        beside : further models by their name, and other files as text or bytes by name and ending; first : commands
+        before it, such as those that write what the model takes.
         """
         with tempfile.TemporaryDirectory() as place:
             for name, content in {"model": model, **beside}.items():
+                if isinstance(content, bytes):
+                    (Path(place) / name).write_bytes(content)
+                    continue
                 other = isinstance(content, str)
                 text = content if isinstance(content, str) else as_yaml(content)
                 (Path(place) / (name if other else f"{name}.yaml")).write_text(text, encoding="utf-8")
