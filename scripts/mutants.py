@@ -54,7 +54,7 @@ FIRST: Mapping[str, tuple[str, ...]] = {
     "rooms": ("rooms", "levels"),
     "levels": ("levels", "rooms"),
     "readers": ("decks", "formats", "exchange", "said otherwise", "tables"),
-    "sweeps": ("sweeps",),
+    "sweeps": ("sweeps: drawn", "sweeps: who", "sweeps: the best", "sweeps"),
 }
 
 
