@@ -68,7 +68,7 @@ def _all_kinds(rng: np.random.Generator) -> Meshed:
     return Meshed(points, tuple(groups), numbers)
 
 
-def _vtu(mesh: Meshed) -> str:
+def vtu(mesh: Meshed) -> str:
     """Groups as values of a whole number, from 1, which stands at nodes for those that are held."""
     own = [np.full(len(one.cells), at) for at, one in enumerate(mesh.groups, 1)]
     feet = np.zeros(len(mesh.points), dtype=int)
@@ -124,7 +124,7 @@ def _case(rng: np.random.Generator, formats: dict[str, Callable[[Meshed], str | 
         return np.array([rest(model, door, name, write(mesh)) for name, write in formats.items()])
 
     def right(model: Model, door: Door) -> Floats:
-        return np.tile(rest(model, door, "m.vtu", _vtu(mesh)), (len(formats), 1))
+        return np.tile(rest(model, door, "m.vtu", vtu(mesh)), (len(formats), 1))
 
     return Case(draft, asked, right, 1e-7, _SAME, each=True)
 
