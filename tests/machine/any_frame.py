@@ -150,3 +150,21 @@ def _(rng: np.random.Generator) -> Case:
     ways = [f"{place}.{axis}" for place, axis in zip(("d", "inside"), rng.choice(["x", "y", "z"], 2), strict=True)]
     why = "six modes are all there are; rounding, and lines of vibration"
     return case_of(rng, Subject(draft, _form, ways[:1], ways, 1e-4, why))
+
+
+@capability("any answer: a heavy body on a light frame", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """Bars are springs to it, exact at their ends: small changes of any of their constants are seen."""
+    draft = a_frame(rng, int(rng.integers(1, 3)))
+    if rng.random() < 0.5:
+        A = float(rng.uniform(3e-3, 8e-3))
+        sizes = {key: float(A**2 * rng.uniform(0.06, 0.2)) for key in ("Iy", "Iz", "J")}
+        factors = {key: float(rng.uniform(0.3, 0.6)) for key in ("ky", "kz")}
+        draft["sections"]["s"] = {"A": A, **sizes, **factors}
+    draft["materials"]["m"]["nu"] = float(rng.uniform(0.3, 0.45))
+    bodies_on(rng, draft, (0.5e4, 1e4), 0.05, float(10 ** rng.uniform(-2, 0.5)), (0.2, 0.6))
+    body = draft["parts"]["b"]
+    body |= {"mass": 1e4 * body["mass"], "inertia": [1e4 * one for one in body["inertia"]]}
+    why = "a frame of 1e-4 of its body's mass, whose own motion is within 1e-4; residual vectors"
+    ways = [f"tip.{axis}" for axis in rng.permutation(["x", "y", "z"])[:2]]
+    return case_of(rng, Subject(draft, _form, ways[:1], ways, 1e-4, why, at_rest=1e-5))

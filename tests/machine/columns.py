@@ -5,7 +5,7 @@ A subject of a capability draws a model and gives its independent form; which an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Any, Final
@@ -29,11 +29,18 @@ def as_it_is(model: Model, ask: Ask) -> Floats:
     return ask(model)
 
 
+def nothing(_: Model) -> Mapping[str, Model | str]:
+    """No files beside the model."""
+    return {}
+
+
 @dataclass(frozen=True)
 class Subject:
     """draft : a model; form : its independent form; drives, seen : ways such as "q.z"; refine : how an answer is taken
     from meshes; accuracy : of natural frequencies, relative; at_rest : of answers at rest, where it is another; aside :
-    findings that do not count; pushed : at rest too, where the form must be right beside a force.
+    findings that do not count; pushed : at rest too, where the form must be right beside a force; beside : files and
+    models that a model takes; first : commands before what is asked; reach : how many times the first mode modes of
+    a shaken base go up to.
     """
 
     draft: Draft
@@ -48,6 +55,13 @@ class Subject:
     answers: tuple[str, ...] = ANSWERS
     at_rest: float | None = None
     pushed: bool = True
+    beside: Callable[[Model], Mapping[str, Model | str]] = nothing
+    first: tuple[tuple[str, ...], ...] = ()
+    reach: float = 30.0
+
+    def ask(self, door: Door, model: Model, *command: str) -> dict[str, Any]:
+        """An answer of the program."""
+        return door.ask(model, *command, first=self.first, **self.beside(model))
 
     def clear(self, door: Door) -> None:
         door.told[:] = [one for one in door.told if not one.startswith(self.aside)] if self.aside else door.told
@@ -94,7 +108,7 @@ def _damped(rng: np.random.Generator, one: Subject, least: float = 0.03) -> None
 def _modes(rng: np.random.Generator, one: Subject) -> Case:
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = door.modes(finer, _COUNT)
+            found = np.array(one.ask(door, finer, "modes", "--count", str(_COUNT))["frequency_hz"])
             return found[found > 1e-3]
 
         answer = one.refine(model, ask)
@@ -117,7 +131,7 @@ def _losses(rng: np.random.Generator, one: Subject) -> Case:
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = door.ask(finer, "modes", "--count", str(_COUNT))
+            found = one.ask(door, finer, "modes", "--count", str(_COUNT))
             return 2 * np.array(found["damping_ratio"])[np.array(found["frequency_hz"]) > 1e-3]
 
         answer = one.refine(model, ask)
@@ -137,7 +151,7 @@ def _poles(one: Subject) -> Case:
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = door.ask(finer, "modes", "--complex", "--up-to", f"{upto} Hz")
+            found = one.ask(door, finer, "modes", "--complex", "--up-to", f"{upto} Hz")
             return np.r_[np.array(found["frequency_hz"])[:_COUNT] / upto, found["damping_ratio"][:_COUNT]]
 
         answer = one.refine(model, ask)
@@ -160,8 +174,8 @@ def _statics(rng: np.random.Generator, one: Subject) -> Case:
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            words = [f"{words}={size} N" for words, size in forces.items()]
-            found = door.statics(finer, *words, weight=kind > 0)["points"]
+            words = [word for words, size in forces.items() for word in ("--force", f"{words}={size} N")]
+            found = one.ask(door, finer, "statics", *words, *["--weight"] * int(kind > 0))["points"]
             axes = ("x", "y", "z", "rx", "ry", "rz")
             return np.array([found[place][axes.index(direction)] for place, direction in map(way, one.seen)])
 
@@ -191,7 +205,7 @@ def _frf(rng: np.random.Generator, one: Subject) -> Case:
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
             words = ("--drive", drive, "--response", response, "--band", f"{lines[0]} Hz:{lines[-1]} Hz")
-            found = door.ask(finer, "frf", *words, "--step", f"{step}", "--kind", kind, *directly)
+            found = one.ask(door, finer, "frf", *words, "--step", f"{step}", "--kind", kind, *directly)
             return np.array([np.hypot(found["real"], found["imag"]).max()])
 
         answer = one.refine(model, ask)
@@ -216,14 +230,14 @@ def _vibration(rng: np.random.Generator, one: Subject) -> Case:
     band = [float(f"{first * share:.4g}") for share in (0.5, 1.5)]
     level = [0.5, 1.3] if kind == "psd" else [0.8, 0.5]
     study = {
-        "model": "m.yaml", "modes": {"up_to": f"{30 * first:.5g} Hz"},
+        "model": "m.yaml", "modes": {"up_to": f"{one.reach * first:.5g} Hz"},
         "vibration": {"v": {"base": along, kind: [[f, a] for f, a in zip(band, level, strict=True)]}},
         "record": {words: ["acceleration", "displacement"]},
     }  # fmt: skip
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = door.ask(model["study"], "run", "--no-pictures", m=finer)
+            found = door.ask(model["study"], "run", "--no-pictures", first=one.first, m=finer, **one.beside(finer))
             answers = found["cases"]["as given"]["vibration"]["v"]["answers"]
             word = "rms" if kind == "psd" else "largest"
             keys = (f"{words} acceleration", f"{words} displacement relative to the base")

@@ -1,10 +1,11 @@
-"""Bars of solid elements from mesh files, against bars in closed form."""
+"""Bars and blocks of solid elements from mesh files, against bars in closed form and boxes by Ritz."""
 
 from __future__ import annotations
 
 import io
 import tempfile
 from contextlib import redirect_stderr, redirect_stdout
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -13,8 +14,12 @@ import meshio
 import numpy as np
 
 from tests.independent.frames import Skeleton, section
+from tests.independent.linear import Linear
+from tests.independent.solids import Box, isotropic, orthotropic, turned
 from tests.machine.bars import a_material
+from tests.machine.columns import Subject, case_of
 from tests.machine.framework import Case, Door, Floats, Model, capability
+from tests.machine.plates import between
 
 Draft = dict[str, Any]
 G: Final = 9.80665
@@ -155,3 +160,80 @@ def _(rng: np.random.Generator) -> Case:
         return of("hexahedron20", 4, model, door)
 
     return Case(draft, asked, right, 6e-3, "4 cells a side, of fourth order both: below 3e-3 each", each=True)
+
+
+_BLOCK: Final = "6 quadratic cells along it and 4 across, polynomials of the sixth order: below 1e-3"
+
+
+def _elastic(model: Model) -> Floats:
+    """Hooke's tensor along global axes."""
+    part, made = model["parts"]["b"], model["materials"][model["parts"]["b"]["material"]]
+    if not isinstance(made["E"], list):
+        return isotropic(made["E"], made["nu"])
+    x = np.array(part["orientation"], float)
+    x = x / np.linalg.norm(x)
+    z = np.array(part["normal"], float)
+    z = z - (z @ x) * x
+    z = z / np.linalg.norm(z)
+    return turned(orthotropic(made["E"], made["G"], made["nu"]), np.array([x, np.cross(z, x), z]))
+
+
+def _block(model: Model, sides: Floats) -> Linear:
+    made = model["materials"][model["parts"]["b"]["material"]]
+    box = Box(sides * model["parts"]["b"]["scale"], _elastic(model), made["rho"], made.get("loss_factor", 0.0))
+    return box.linear({name: one["at"] for name, one in model["points"].items()})
+
+
+def _held(rng: np.random.Generator) -> tuple[Draft, Floats, str]:
+    """A stocky block that slides along three walls, with points on a face that stays if the mesh is scaled."""
+    sides = np.array([between(rng, 0.5, 0.9), between(rng, 0.4, 0.6), between(rng, 0.4, 0.6)])
+    scale = float(rng.choice([0.5, 2.0, 1e-3]))
+    nodes, cells = grid(sides / scale, (6, 4, 4), "hexahedron20")
+    e = 1e-4
+    L, w = (float(one) for one in sides[:2])
+    draft: Draft = {
+        "materials": {"m": a_material(rng)},
+        "parts": {"b": {"type": "solid", "mesh": "b.vtu", "scale": scale, "material": "m"}},
+        "points": {"q": {"on": "b", "at": [L / 2, 0.75 * w, 0.0]}, "d": {"on": "b", "at": [L, 0.25 * w, 0.0]}},
+        "damping": {"ratio": 0.01},
+    }
+    draft["materials"]["m"]["nu"] = between(rng, 0.1, 0.35)
+    walls = {one: [[-9.0] * 3, [9.0] * k + [e] + [9.0] * (2 - k)] for k, one in enumerate("xyz")}
+    draft["supports"] = {one: {"on": "b", "box": box, "fix": [one]} for one, box in walls.items()}
+    return draft, sides / scale, mesh_text(nodes, cells, "hexahedron20", "vtu")
+
+
+def _any(rng: np.random.Generator, made: tuple[Draft, Floats, str], accuracy: float, why: str) -> Case:
+    draft, sides, text = made
+    ways = [f"q.{axis}" for axis in rng.permutation(["x", "y"])]
+    drive = f"d.{ways[0][-1]}"
+    usual = ("coarse-mesh", "stress-uneven", "modal-mass-low", "sags-far", "stress-of", "implausible", "mesh-in-other-units")
+    return case_of(rng, Subject(draft, partial(_block, sides=sides), (drive,), ways, accuracy, why, aside=usual,
+                                pushed=False, reach=6.0, beside=lambda _: {"b.vtu": text}))  # fmt: skip
+
+
+@capability("solids: any answer of a block", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    made = _held(rng)
+    if rng.random() < 0.4:
+        made[0]["materials"]["m"]["loss_factor"] = between(rng, 0.06, 0.12)
+        made[0]["damping"] = {"from": "materials"}
+    return _any(rng, made, 2e-3, _BLOCK)
+
+
+@capability("solids: any answer of a block with directions", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    made = _held(rng)
+    draft = made[0]
+    E = draft["materials"]["m"]["E"]
+    draft["materials"]["m"] |= {
+        "E": [E, E * between(rng, 0.1, 0.3), E * between(rng, 0.1, 0.3)],
+        "G": [E * between(rng, 0.05, 0.1), E * between(rng, 0.03, 0.05), E * between(rng, 0.05, 0.1)],
+        "nu": [between(rng, 0.1, 0.3), between(rng, 0.1, 0.3), 0.02],
+    }
+    up, across = rng.uniform(0.4, 1.1) * rng.choice([-1, 1]), rng.uniform(0.4, 1.1)
+    draft["parts"]["b"] |= {
+        "orientation": [float(np.cos(up)), 0.3, float(np.sin(up))],
+        "normal": [0.2, float(np.sin(across)), float(np.cos(across))],
+    }
+    return _any(rng, made, 4e-3, _BLOCK + "; where walls meet a material that leans, 3e-3 at rest")
