@@ -6,7 +6,7 @@ at every frequency: no modal sum, but for a damping ratio, which is one of modes
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import pi
 
@@ -31,7 +31,8 @@ class Law:
 
 @dataclass(frozen=True)
 class Linear:
-    """K, M, C, H [n, n]; rows : of motions [n], by place and direction; rides : M times a ride along x, y, z [3, n]."""
+    """K, M, C, H [n, n]; rows : of motions [n], by place and direction; rides : M times a ride along x, y, z [3, n];
+    varying : of frequencies [Hz], by what H is to be multiplied there."""
 
     K: Floats
     M: Floats
@@ -39,6 +40,7 @@ class Linear:
     H: Floats
     rows: Mapping[Way, Floats]
     rides: Floats
+    varying: Callable[[Floats], Floats] = np.ones_like
 
     def modes(self, count: int | None = None) -> tuple[Floats, Floats]:
         """Natural frequencies [Hz] above rest, and shapes of unit modal mass [n, modes]."""
@@ -52,10 +54,14 @@ class Linear:
 
     def losses(self, count: int) -> Floats:
         """Loss factors of modes: what H takes of their energy of strain."""
-        _, shapes = self.modes(count)
-        return np.asarray(
-            np.einsum("nk,nm,mk->k", shapes, self.H, shapes) / np.einsum("nk,nm,mk->k", shapes, self.K, shapes)
-        )
+        own, shapes = self.modes(count)
+        lost, whole = (np.einsum("nk,nm,mk->k", shapes, one, shapes) for one in (self.H, self.K))
+        return np.asarray(self.varying(own) * lost / whole)
+
+    def _alike(self) -> float | None:
+        """What H is of K, if it is the same everywhere."""
+        share = float(np.trace(self.H) / np.trace(self.K))
+        return share if np.abs(self.H - share * self.K).max() <= 1e-12 * np.abs(self.K).max() else None
 
     def load(self, forces: Mapping[Way, float], weight: bool = False) -> Floats:
         found = -GRAVITY * self.rides[2] * weight
@@ -68,19 +74,21 @@ class Linear:
 
     def shaken(self, frequency: Floats, load: Floats, law: Law) -> Floats:
         """Complex coordinates [frequency, n] under a load e^{jwt}."""
-        if not self.C.any() and not (law.own and self.H.any()):
+        lines, lossy = np.asarray(frequency, float), self._alike() if law.own else 0.0
+        if not self.C.any() and lossy is not None:
             own, shapes = self.modes()
             if len(own) == len(self.K):  # modes are all there is, and are not coupled
-                w0, w = 2 * pi * own, 2 * pi * np.asarray(frequency)[:, None]
+                w0, w, loss = 2 * pi * own, 2 * pi * lines[:, None], law.loss + lossy * self.varying(lines)[:, None]
                 rates = 2 * law.ratio * w0 + law.alpha + law.beta * w0**2
-                return np.asarray((shapes.T @ load) / (w0**2 * (1 + 1j * law.loss) - w**2 + 1j * w * rates) @ shapes.T)
-        C, H = self.C + law.alpha * self.M + law.beta * self.K, law.loss * self.K + law.own * self.H
+                return np.asarray((shapes.T @ load) / (w0**2 * (1 + 1j * loss) - w**2 + 1j * w * rates) @ shapes.T)
+        C, H = self.C + law.alpha * self.M + law.beta * self.K, law.own * self.H
         if law.ratio:
             own, shapes = self.modes()
             lean = self.M @ shapes
             C = C + (lean * (4 * pi * law.ratio * own)) @ lean.T
         return np.array([
-            np.linalg.solve(self.K + 1j * H + 1j * w * C - w**2 * self.M, load) for w in 2 * pi * np.asarray(frequency)
+            np.linalg.solve(self.K * (1 + 1j * law.loss) + 1j * more * H + 1j * w * C - w**2 * self.M, load)
+            for w, more in zip(2 * pi * lines, self.varying(lines), strict=True)
         ])  # fmt: skip
 
     def poles(self, count: int, law: Law) -> Floats:

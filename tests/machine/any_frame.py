@@ -168,3 +168,23 @@ def _(rng: np.random.Generator) -> Case:
     why = "a frame of 1e-4 of its body's mass, whose own motion is within 1e-4; residual vectors"
     ways = [f"tip.{axis}" for axis in rng.permutation(["x", "y", "z"])[:2]]
     return case_of(rng, Subject(draft, _form, ways[:1], ways, 1e-4, why, at_rest=1e-5))
+
+
+_TABLES = {  # Cremer, Heckl, Petersson, Structure-Borne Sound (2005), table 4.3
+    "steel": {"E": 210e9, "nu": 0.31, "rho": 7800.0},
+    "aluminium": {"E": 72e9, "nu": 0.34, "rho": 2700.0},
+}
+
+
+def _of_tables(model: Model) -> Linear:
+    return _form({**model, "materials": {name: _TABLES[one["like"]] for name, one in model["materials"].items()}})
+
+
+@capability("any answer: a material of the library", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """With a mass at the tip."""
+    draft = a_frame(rng)
+    draft["materials"]["m"] = {"like": str(rng.choice(list(_TABLES)))}
+    draft["parts"]["w"] = {"type": "mass", "at": "tip", "mass": float(rng.uniform(5, 20))}
+    ways = [f"tip.{rng.choice(['x', 'y', 'z'])}"]
+    return case_of(rng, Subject(draft, _of_tables, ways, ways, 1e-3, _WHY, at_rest=1e-5))

@@ -5,14 +5,15 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from math import pi
 from typing import Any
 
 import numpy as np
 
-from tests.independent.linear import Floats
-from tests.machine.columns import Ask, Subject, as_it_is, case_of
+from tests.independent.linear import Floats, Linear
+from tests.machine.columns import ANSWERS, Ask, Subject, as_it_is, case_of
 from tests.machine.framework import Case, Door, Model, capability
 from tests.machine.plates import between, edges, material, plies
 from tests.machine.sheets import read
@@ -62,15 +63,17 @@ def _settled(draw: Callable[[np.random.Generator], Case]) -> Callable[[np.random
 
 
 def _answers(
-    rng: np.random.Generator, draft: Draft, *ways: str, accuracy: float = 2e-3, order: int = 11, why: str = _THIN
-) -> Case:
+    rng: np.random.Generator, draft: Draft, *ways: str, accuracy: float = 2e-3, order: int = 11, why: str = _THIN,
+    reading: Callable[..., Linear] = read, answers: tuple[str, ...] = ANSWERS,
+) -> Case:  # fmt: skip
     """Of places `ways` under a force at d; polynomials of two orders less agree to a quarter of the tolerance."""
     thick = any(part["type"] == "slab" for part in draft["parts"].values())
     refine = _refined if thick else as_it_is
     cases = []
     for less in (2, 0):
-        form = partial(read, order=order - less)
-        subject = Subject(copy.deepcopy(draft), form, ("d.z",), ways, accuracy, why, refine, _ASIDE, pushed=not thick)
+        form = partial(reading, order=order - less)
+        subject = Subject(copy.deepcopy(draft), form, ("d.z",), ways, accuracy, why, refine, _ASIDE,
+                          answers=answers, pushed=not thick)  # fmt: skip
         cases.append(case_of(copy.deepcopy(rng) if less else rng, subject))
     rough, fine = (np.asarray(one.right(cases[1].model, Door())) for one in cases)
     size = np.abs(fine) if cases[1].each else np.abs(fine).max()
@@ -377,3 +380,40 @@ def _(rng: np.random.Generator) -> Case:
     if rng.random() < 0.5:
         _losing(rng, draft)
     return _answers(rng, draft, "q.z", accuracy=5e-3, why=_THICK)
+
+
+def _by_frequency(model: Model, order: int) -> Linear:
+    """A plate of one material whose losses depend on frequency: ISO 12354-1, annex C, or 2.2 / (f T)."""
+    made, part = model["materials"]["m"], model["parts"]["p"]
+    said = made["loss_factor"]
+    plain = {**model, "materials": {"m": {**made, "loss_factor": 1.0}}}
+    if "reverberation_times" in said:
+        table = np.array([[float(f.split()[0]), t] for f, t in said["reverberation_times"].items()])
+        values = 2.2 / table.prod(axis=1)
+
+        def loss(f: Floats) -> Floats:
+            return np.interp(np.log(f), np.log(table[:, 0]), values)
+    else:
+
+        def loss(f: Floats) -> Floats:
+            edges = made["rho"] * part["thickness"] / 485 / np.sqrt(np.clip(f, 50.0, 5000.0))
+            return np.asarray(said["internal"] + edges)
+
+    return replace(read(plain, order), varying=loss)
+
+
+@capability("any answer: plates that lose by frequency", "independent", slow=True)
+@_settled
+def _(rng: np.random.Generator) -> Case:
+    draft = _plate(rng, ("simple", "clamped"))
+    first, made = float(read(draft).modes(1)[0][0]), draft["materials"]["m"]
+    size = rng.uniform(0.06, 0.12)
+    if rng.random() < 0.5:
+        made["loss_factor"] = {"like": "ISO 12354-1 laboratory", "internal": float(f"{size:.4g}")}
+        made["rho"] = between(rng, 300, 500)
+    else:
+        lines = [float(f"{first * one:.4g}") for one in (0.7, 1.2, 4.0)]
+        times = [float(f"{2.2 / f / size / rng.uniform(0.8, 1.2):.4g}") for f in lines]
+        made["loss_factor"] = {"reverberation_times": {f"{f} Hz": t for f, t in zip(lines, times, strict=True)}}
+    draft["damping"] = {"from": "materials"}
+    return _answers(rng, draft, "q.z", reading=_by_frequency, answers=("losses", "frf", "vibration"))

@@ -207,7 +207,15 @@ def _any(rng: np.random.Generator, made: tuple[Draft, Floats, str], accuracy: fl
     draft, sides, text = made
     ways = [f"q.{axis}" for axis in rng.permutation(["x", "y"])]
     drive = f"d.{ways[0][-1]}"
-    usual = ("coarse-mesh", "stress-uneven", "modal-mass-low", "sags-far", "stress-of", "implausible", "mesh-in-other-units")
+    usual = (
+        "coarse-mesh",
+        "stress-uneven",
+        "modal-mass-low",
+        "sags-far",
+        "stress-of",
+        "implausible",
+        "mesh-in-other-units",
+    )
     return case_of(rng, Subject(draft, partial(_block, sides=sides), (drive,), ways, accuracy, why, aside=usual,
                                 pushed=False, reach=6.0, beside=lambda _: {"b.vtu": text}))  # fmt: skip
 

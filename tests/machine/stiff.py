@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -13,7 +14,7 @@ from tests.machine.any_frame import linear
 from tests.machine.columns import ANSWERS, Subject, case_of
 from tests.machine.framework import Case, Model, capability
 from tests.machine.plates import between
-from tests.machine.skeletons import SIX, six
+from tests.machine.skeletons import six
 
 Draft = dict[str, Any]
 Spots = tuple[Floats, Floats]
@@ -228,9 +229,7 @@ def _hung(rng: np.random.Generator) -> Draft:
     floor = {key: one for key, one in low.items() if key != "through"}
     floor["origin"] = (_origin(low) + between(rng, 0.2, 0.5) * turn(low)[2]).tolist()
     draft["parts"]["floor"] = floor
-    draft["supports"] = {
-        f"edge {k}": {"on": "floor", "set": f"side {k}", "fix": "clamped"} for k in (1, 2, 3, 4)
-    }
+    draft["supports"] = {f"edge {k}": {"on": "floor", "set": f"side {k}", "fix": "clamped"} for k in (1, 2, 3, 4)}
     return draft
 
 
@@ -304,3 +303,75 @@ def _(rng: np.random.Generator) -> Case:
         said = f"{mass / b:.5g} kg/m" if kind in ("line", "rim") else f"{mass / a / b:.5g} kg/m^2"
     draft["parts"]["load"] = {"type": "mass", "on": "low", "region": region, "mass": said}
     return _answers(rng, draft)
+
+
+def _deck(spots: Floats, mass: float, at: int) -> str:
+    """A grid of five by five nodes, with a mass at one, a support of another and a link of two."""
+    lines = ["SOL 101", "CEND", "SPC = 1", "BEGIN BULK"]
+    lines += [f"GRID,{k + 1},,{x:.6f},{y:.6f},{z:.6f}" for k, (x, y, z) in enumerate(spots)]
+    for k in range(16):
+        first = k // 4 * 5 + k % 4 + 1
+        lines.append(f"CQUAD4,{k + 1},1,{first},{first + 1},{first + 6},{first + 5}")
+    lines += [f"CONM2,101,{at + 1},0,{mass!r}", "SPC1,1,123456,13", "RBE2,201,1,123456,2"]
+    return "\n".join([*lines, "ENDDATA", ""])
+
+
+def _attached_form(model: Model, spots: Floats, mass: float, at: int) -> Linear:
+    """Two bodies; what the file states is on that which has its unit of length."""
+    bones, bodies, parts = Skeleton(), {}, model["parts"]
+    for name in ("low", "high"):
+        part = parts[name]
+        (a, b), t = part["scale"] * (spots[-1] - spots[0])[:2], part["thickness"]
+        of = model["materials"]["m"]["rho"] * a * b * t
+        bodies[name] = bones.place(part["scale"] * spots[12])
+        bones.body(bodies[name], of, np.diag(of * np.array([b * b + t * t, a * a + t * t, a * a + b * b]) / 12))
+    more = parts["more"]
+    (on,) = [name for name in bodies if parts[name]["scale"] == more["scale"]]
+    if more["take"] == "supports":
+        bones.hold(bodies[on])
+    elif more["take"] == "masses":
+        place = bones.place(more["scale"] * spots[at])
+        bones.follow(bodies[on], place)
+        bones.body(place, mass * more["mass_unit"])
+    points = {}
+    for name, one in model["points"].items():
+        points[name] = bones.place(np.array(one["at"]))
+        bones.follow(bodies[one["on"]], points[name])
+    for part in parts.values():
+        if part["type"] == "spring":
+            bones.spring(points[part["between"][0]], None, six(part["stiffness"]))
+    return linear(bones, points)
+
+
+@capability("stiff: what a mesh file attaches", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """Two shells of one file in different units of length: on one of them is what the file states."""
+    sides, corner = rng.uniform(0.8, 1.5, 2).round(3), rng.uniform(0.5, 1.5, 3).round(3)
+    shares = np.array([[k % 5 / 4, k // 5 / 4, 0.0] for k in range(25)])
+    spots = (shares * [*sides, 0.0] + corner).round(6)
+    h, rho, at = between(rng, 0.015, 0.02), between(rng, 1000, 3000), int(rng.choice([4, 18, 20]))
+    weigh = rho * h * float(sides.prod())
+    mass, unit = float(f"{weigh * rng.uniform(0.5, 1.5):.4g}"), between(rng, 0.5, 2)
+    shell = {"type": "shell", "mesh": "p.bdf", "material": "m", "thickness": h}
+    draft: Draft = {
+        "materials": {"m": {"E": 1e15, "nu": 0.3, "rho": rho}},
+        "parts": {
+            "low": {**shell, "scale": 1.0}, "high": {**shell, "scale": 1.1},
+            "more": {"type": "attachments", "mesh": "p.bdf", "scale": 1.0, "take": "masses", "mass_unit": unit},
+        },
+        "points": {},
+        "damping": {"ratio": 0.03},
+    }  # fmt: skip
+    k = weigh * (2 * np.pi * rng.uniform(2, 4)) ** 2 / 3
+    for name in ("low", "high"):
+        for letter, node in zip("abc", (6, 3, 22), strict=True):
+            place = (draft["parts"][name]["scale"] * spots[node]).round(6)
+            draft["points"][f"{name} {letter}"] = {"on": name, "at": place.tolist()}
+            draft["parts"][f"{name} k{letter}"] = {
+                "type": "spring", "between": [f"{name} {letter}", "ground"],
+                "stiffness": {axis: float(k * rng.uniform(0.5, 2)) for axis in "xyz"},
+            }  # fmt: skip
+    ways = [f"{name}.z" for name in ("low a", "low b", "high a")]
+    form = partial(_attached_form, spots=spots, mass=mass, at=at)
+    return case_of(rng, Subject(draft, form, ways[:1], ways[: int(rng.integers(1, 4))], 1e-4, _WHY, aside=_ASIDE,
+                                beside=lambda _: {"p.bdf": _deck(spots, mass, at)}))  # fmt: skip
