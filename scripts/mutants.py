@@ -47,7 +47,7 @@ SUBJECTS: Mapping[str, tuple[str, ...]] = {
 
 # Capabilities of the machine that come first, by parts of their names; all the others follow.
 FIRST: Mapping[str, tuple[str, ...]] = {
-    "elements": ("any answer", "slabs", "plates", "solids", "closed form"),
+    "elements": ("elements", "any answer", "slabs", "plates", "solids", "closed form"),
     "joints": ("joints", "bars", "slabs: two", "limits", "any answer"),
     "losses": ("lose", "loses", "losses", "damping", "any answer"),
     "laws": ("impacts", "evaluations"),

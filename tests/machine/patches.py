@@ -200,3 +200,67 @@ def _(rng: np.random.Generator) -> Case:
         return np.concatenate(out)
 
     return Case(draft, asked, right, 1e-5, f"{_EXACT}; nodes of a box")
+
+
+@capability("joints: a rib between nodes of a strip under a moment", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """Without lateral contraction, each of both with its share of the moment: they bend alike, and nothing pulls."""
+    made = {"E": float(f"{rng.uniform(1e10, 2e11):.4g}"), "nu": 0.0, "rho": 2000.0}
+    long, wide, thick = (float(f"{x:.3g}") for x in rng.uniform([0.5, 0.3, 0.004], [0.8, 0.4, 0.008]))
+    side = float(f"{rng.uniform(0.01, 0.02):.3g}")
+    at = float(f"{wide * rng.uniform(0.4, 0.6):.3g}")
+    nodes, cells = _pieces(
+        (5, 6), np.array([[[0, 0, 0], [0, wide, 0]], [[long, 0, 0], [long, wide, 0]]], float), "quad4"
+    )
+    tip = nodes[-7:]
+    stands = np.vstack([tip, [[long, at, 0.0]]])
+    tops = stands + np.array([0.0, 0.0, _LEVER])
+    frame: Draft = {"type": "frame", "material": "m", "section": "s"}
+    rib = [[0.0, at, 0.0], [long, at, 0.0]]
+    draft: Draft = {
+        "materials": {"m": made},
+        "sections": {"s": {"shape": "rectangle", "width": side, "height": side}},
+        "parts": {
+            "a": {"type": "shell", "mesh": "a.vtu", "material": "m", "thickness": thick},
+            "rib": {**frame, "lines": [rib], "mesh": long / 200.3},
+            "levers": {**frame, "lines": [[one.tolist(), top.tolist()] for one, top in zip(tip, tops, strict=False)]},
+            "own": {**frame, "lines": [[stands[-1].tolist(), tops[-1].tolist()]]},
+        },
+        "joints": {
+            "along": {"connect": ["rib", "a"]}, "stand": {"connect": ["levers", "a"]},
+            "end": {"connect": ["own", "rib"]},
+        },
+        "supports": {"root": {"on": "a", "box": _box(nodes[:7]), "fix": "clamped"}},
+        "damping": {"ratio": 0.01},
+    }  # fmt: skip
+    draft["points"] = {f"t{k}": {"on": "a", "at": one.tolist()} for k, one in enumerate(tip)}
+    draft["points"] |= {"t7": {"on": "rib", "at": stands[-1].tolist()}}
+    draft["points"] |= {f"u{k}": {"on": "levers" if k < 7 else "own", "at": one.tolist()} for k, one in enumerate(tops)}
+    draft["bend"] = float(rng.uniform(0.01, 0.03))
+
+    def asked(model: Model, door: Door) -> Floats:
+        E, bend = model["materials"]["m"]["E"], model["bend"]
+        pairs = np.r_[_ends((6,), E * wide * thick**3 / 12 * bend), E * side**4 / 12 * bend] / _LEVER
+        forces = [
+            f"{name}{k}.x={sign * one!r} N"
+            for k, one in enumerate(pairs.tolist())
+            for name, sign in (("t", 1), ("u", -1))
+        ]
+        inner = {key: one for key, one in model.items() if key != "bend"}
+        words = [word for one in forces for word in ("--force", one)]
+        found = door.ask(inner, "statics", *words, **{"a.vtu": _file(nodes, cells, "quad4")})
+        door.told = []
+        moved = np.array([found["points"][f"t{k}"] for k in range(8)])
+        return np.r_[moved[:, 2] * 1e3, moved[:, 4] * 1e3, moved[:, 3] * 1e3]
+
+    def right(model: Model, _: Door) -> Floats:
+        eight = model["bend"] * np.ones(8) * 1e3
+        return np.r_[eight * long**2 / 2, -eight * long, 0 * eight]
+
+    return Case(
+        draft,
+        asked,
+        right,
+        5e-3,
+        "the rib follows shifts alone at its nodes: its moment begins and ends over bars of 1/200 of it",
+    )
