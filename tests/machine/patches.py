@@ -264,3 +264,56 @@ def _(rng: np.random.Generator) -> Case:
         5e-3,
         "the rib follows shifts alone at its nodes: its moment begins and ends over bars of 1/200 of it",
     )
+
+
+@capability("joints: tubes of unlike facets under tension and torsion", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """Longer by F L / E A and turned by T L / G J along each of them, by what their polygons have."""
+    made = {"E": float(f"{rng.uniform(1e10, 2e11):.4g}"), "nu": 0.3, "rho": 2000.0}
+    around = [int(one) for one in rng.permutation([40, 56])]
+    radius, thick = float(f"{rng.uniform(0.1, 0.2):.3g}"), 0.002
+    longs = rng.uniform(0.15, 0.25, 2).round(3).tolist()
+    tubes, base = [], 0.0
+    for n, long in zip(around, longs, strict=True):
+        angle = np.repeat(np.arange(n) * 2 * np.pi / n, 5)
+        height = base + np.tile(np.linspace(0, long, 5), n)
+        k = np.arange(5 * n).reshape(n, 5)
+        next_ = np.roll(k, -1, axis=0)
+        cells = np.stack([k[:, :-1], next_[:, :-1], next_[:, 1:], k[:, 1:]], axis=-1).reshape(-1, 4)
+        tubes.append((np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height]), cells))
+        base += long
+    files = {f"{name}.vtu": _file(*one, "quad4") for name, one in zip("ab", tubes, strict=True)}
+    top = tubes[1][0][4::5]
+    draft: Draft = {
+        "materials": {"m": made},
+        "parts": {one: {"type": "shell", "mesh": f"{one}.vtu", "material": "m", "thickness": thick} for one in "ab"},
+        "joints": {"j": {"connect": ["a", "b"]}},
+        "supports": {"root": {"on": "a", "box": _box(tubes[0][0][::5]), "fix": ["z", "x", "y"]}},
+        "points": {f"t{k}": {"on": "b", "at": at.tolist()} for k, at in enumerate(top)},
+        "damping": {"ratio": 0.01},
+    }  # fmt: skip
+    pull, twist = (float(one) for one in rng.uniform([500, 50], [900, 90]))
+    round_ = np.column_stack([-top[:, 1], top[:, 0]]) / radius
+
+    def asked(model: Model, door: Door) -> Floats:
+        size, share = len(top), twist / radius / len(top)
+        forces = [f"t{k}.z={pull / size!r} N" for k in range(size)]
+        forces += [
+            f"t{k}.{axis}={share * one[i]!r} N" for k, one in enumerate(round_.tolist()) for i, axis in enumerate("xy")
+        ]
+        words = [word for one in forces for word in ("--force", one)]
+        found = door.ask(model, "statics", *words, **files)
+        door.told = []
+        moved = np.array([found["points"][f"t{k}"][:3] for k in range(size)])
+        return np.array([moved[:, 2].mean(), (moved[:, :2] * round_).sum(axis=1).mean()])
+
+    def right(model: Model, _: Door) -> Floats:
+        E = model["materials"]["m"]["E"]
+        out = np.zeros(2)
+        for n, long in zip(around, longs, strict=True):
+            edge, inside = 2 * n * radius * np.sin(np.pi / n), n * radius**2 * np.sin(2 * np.pi / n) / 2
+            out += [pull * long / (E * edge * thick), radius * twist * long * edge / (E / 2.6 * 4 * inside**2 * thick)]
+        return out
+
+    why = "the foot holds contraction over sqrt(R t); facets are off each other by up to a quarter of the thickness"
+    return Case(draft, asked, right, 2e-2, why, each=True)
