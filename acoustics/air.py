@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from acoustics.arrays import freeze, positive
+from acoustics.tags import stored_as
 
 
+@stored_as("air/1")
 @dataclass(frozen=True, eq=False)
 class Air:
     """Speed of sound `c` [m/s] and density `rho` [kg/m^3] of the air; the defaults are those of 20 degC at sea level.

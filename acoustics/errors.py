@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from acoustics.tags import stored_as
+
 
 class AcousticsError(ValueError):
     """An input that cannot mean anything: where, what was got, what was expected, what to do.
@@ -19,6 +21,7 @@ class AcousticsError(ValueError):
         super().__init__("; ".join(text for text in (f"{where}: {told}" if told else where, do) if text))
 
 
+@stored_as("advice on sound/1")
 @dataclass(frozen=True)
 class Advice:
     """A reason not to trust a result, or to trust it less, with the numbers that say so.

@@ -11,6 +11,7 @@ import numpy as np
 
 from acoustics.arrays import Floats, freeze, positive
 from acoustics.errors import AcousticsError
+from acoustics.tags import stored_as
 
 _SINGLE_MODES: Final = 2000.0  # sqrt(m^3/s)/s, of T and V in SI units
 DECAY_OF_T60: Final = 3 * log(10)  # gamma T60: exp(-gamma T60) is -60 dB, which is 10^-3, hence ln(10^6) / 2 = 6.9078
@@ -25,6 +26,7 @@ _PARAMETERS: Final = {
 }
 
 
+@stored_as("losses of a room/1")
 @dataclass(frozen=True, eq=False)
 class Losses:
     """How sound dies away in the room; the parameters its kind needs, and no other.

@@ -9,8 +9,10 @@ import numpy as np
 
 from acoustics.arrays import Floats, freeze, frozen
 from acoustics.errors import AcousticsError
+from acoustics.tags import stored_as
 
 
+@stored_as("receiver/1")
 @dataclass(frozen=True, eq=False)
 class Receiver:
     """A receiver, a point whose pressure is computed: a name and a position [3] from the room's lower corner [m]."""

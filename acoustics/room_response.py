@@ -10,8 +10,10 @@ import numpy as np
 from acoustics.arrays import Complexes, Floats, freeze, frozen
 from acoustics.errors import AcousticsError, Advice
 from acoustics.receivers import Receiver
+from acoustics.tags import stored_as
 
 
+@stored_as("room response/1")
 @dataclass(frozen=True, eq=False)
 class RoomResponse:
     """Pressure at the receivers of a room.

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
+from femstruct.tags import stored_as
+
 LONGEST: Final = 300  # characters of what was got, expected or meant: more is not read
 MOST_LINES: Final = 40  # mistakes told at once
 MOST_NAMES: Final = 8
@@ -127,6 +129,7 @@ class NotConverged(FemstructError):
         return f"{self.position}not converged: {self}"
 
 
+@stored_as("finding/1")
 @dataclass(frozen=True)
 class Finding:
     """A reason not to trust a result, or to trust it less, with the numbers that say so.

@@ -18,10 +18,12 @@ from acoustics.open_air.rayleigh import field_loads, field_pressures, harmonic_f
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
+from acoustics.tags import stored_as
 
 PLANE = "plane"
 
 
+@stored_as("half space/1")
 @dataclass(frozen=True, eq=False)
 class HalfSpace(Baffle, SoundField):
     """The air in front of a plane, rigid except for what moves in it, infinite and without losses.

@@ -28,10 +28,12 @@ from acoustics.rooms.pressure_maps import PressureMap
 from acoustics.rooms.receiver_grids import RoomGrid, box_grid, box_mode_shapes
 from acoustics.rooms.room_ways import room_ways
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
+from acoustics.tags import stored_as
 
 TOLD_HZ = 1000.0  # up to which its first modes are looked for
 
 
+@stored_as("rectangular room/1")
 @dataclass(frozen=True, eq=False)
 class Room(Box, SoundField):
     """A rectangular room, rigid where nothing moves: surfaces move its ceiling, its floor, its walls or parts of them.

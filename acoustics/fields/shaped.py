@@ -43,12 +43,14 @@ from acoustics.rooms.box_two_way import CoupledAir
 from acoustics.rooms.pressure_maps import PressureMap, map_within
 from acoustics.rooms.receiver_grids import RoomGrid, halved_grid
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
+from acoustics.tags import stored_as
 
 MOST: Final = 300  # modes of a room that nobody limits, about
 FLAT: Final = 1e-6  # of the room's size: heights of a ceiling's corners differ by less
 INTO: Final = 1e-2  # of the way to the middle of a surface, and of its size into the air: where air must be
 
 
+@stored_as("room of any shape/1")
 @dataclass(frozen=True, eq=False)
 class ShapedRoom(SoundField):
     """A closed room of any shape with rigid walls, some of which may absorb sound or be compliant; a named, level wall

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.arrays import Floats, freeze, frozen
 from acoustics.levels.single_number import Number, single_number
 from acoustics.reported import Reported
+from acoustics.tags import stored_as
 
 _ROUNDING_DB: Final = 1e-9
 TWO_SIDED_90: Final = 1.645  # standard deviations of a normal variable that hold 90 %
@@ -24,6 +25,7 @@ class Interval(NamedTuple):
     high: float
 
 
+@stored_as("ensemble of rooms/1")
 @dataclass(frozen=True, eq=False)
 class Ensemble:
     """Levels of one floor over rooms and places {member, band}.

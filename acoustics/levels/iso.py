@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from acoustics.arrays import Floats, frozen, positive
 from acoustics.errors import AcousticsError
+from acoustics.tags import stored_as
 
 T0_S: Final = 0.5  # reverberation time of a furnished living room
 V0_M3: Final = 50.0
@@ -74,6 +75,7 @@ class HeavyImpactRating:
     deciding_hz: float
 
 
+@stored_as("energy average/1")
 def energy_average(levels_db: ArrayLike, axis: int = 0) -> Floats:
     """Level [dB] of the mean square of levels at several places, along `axis`.
 
@@ -154,6 +156,7 @@ def heavy_impact_level(levels_db: Mapping[float, float]) -> HeavyImpactRating:
     return HeavyImpactRating(floor(total + 0.5), total, list(table)[int(np.argmax(corrected))])
 
 
+@stored_as("standardised maximum level/1")
 def standardised_maximum_level(
     levels_db: Mapping[float, float], volume: float, t60_s: Mapping[float, float]
 ) -> dict[float, float]:

@@ -38,6 +38,7 @@ from acoustics.levels.jis_ks import (
 )
 from acoustics.levels.single_number import Number, SingleNumber
 from acoustics.reported import Reported
+from acoustics.tags import stored_as
 
 FIELD: Final = "ISO 16283-2"
 RATING: Final = "ISO 717-2"
@@ -77,6 +78,7 @@ def band_quantity_of(symbol: str) -> str:
     return next((bands for bands, number in _SYMBOLS.values() if number == symbol), "")
 
 
+@stored_as("method of rating/1")
 @dataclass(frozen=True)
 class Method:
     """How standards rate one kind of blows.
@@ -229,6 +231,7 @@ def _by_octaves(standards: tuple[str, ...], blows: Blows) -> Method:
     )
 
 
+@stored_as("A-weighted number/1")
 def _a_weighted(places_db: Floats) -> SingleNumber:
     found = heavy_impact_level(dict(zip(A_THIRDS, energy_average(places_db).tolist(), strict=True)))
     curve = equal_parts(found.unrounded_db)
@@ -241,6 +244,7 @@ def _a_weighted(places_db: Floats) -> SingleNumber:
     )
 
 
+@stored_as("weighted number/1")
 def _weighted(places_db: Floats) -> SingleNumber:
     levels = dict(zip(CURVE_THIRDS, energy_average(places_db).tolist(), strict=True))
     found, finely = weighted_impact_level(levels), weighted_impact_level(levels, step_db=0.1)
@@ -254,10 +258,12 @@ def _weighted(places_db: Floats) -> SingleNumber:
     )
 
 
+@stored_as("grade of heavy blows/1")
 def _heavy_grade(places_db: Floats) -> SingleNumber:
     return _grade(HEAVY_OCTAVES, places_db)
 
 
+@stored_as("grade of light blows/1")
 def _light_grade(places_db: Floats) -> SingleNumber:
     return _grade(LIGHT_OCTAVES, places_db)
 
@@ -275,6 +281,7 @@ def _grade(octaves: tuple[float, ...], places_db: Floats) -> SingleNumber:
     )
 
 
+@stored_as("inverse A number/1")
 def _inverse_a(places_db: Floats) -> SingleNumber:
     levels = dict(zip(HEAVY_OCTAVES, _arithmetic(places_db).tolist(), strict=True))
     found, finely = inverse_a_level(levels), inverse_a_level(levels, step_db=0.1)
@@ -282,10 +289,12 @@ def _inverse_a(places_db: Floats) -> SingleNumber:
     return SingleNumber(found.level_db, finely.level_db, found.deciding_hz, curve, "shifted inverse A curve")
 
 
+@stored_as("standardised level/1")
 def _standardised(levels_db: Mapping[float, float], volume: float, t60_s: Mapping[float, float]) -> dict[float, float]:
     return standardised_impact_level(levels_db, t60_s)
 
 
+@stored_as("arithmetic average/1")
 def _arithmetic(levels_db: Floats) -> Floats:
     return np.asarray(np.mean(levels_db, axis=0))
 

@@ -21,12 +21,14 @@ from acoustics.levels.methods import FIELD, RATING, Blows, Method, method_of
 from acoustics.levels.single_number import Number, SingleNumber, single_number
 from acoustics.reported import Axis, Reported
 from acoustics.statistical.statistical_bands import Agreement, StatisticalBands, agreement
+from acoustics.tags import stored_as
 
 _OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all that is heard
 _DB: Final = "dB re 20 µPa"
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")
 
 
+@stored_as("rated room/1")
 @dataclass(frozen=True, eq=False)
 class RatedRoom:
     """Sound of standard blows in one room, by band, and the single numbers made of it.

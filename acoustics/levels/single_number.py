@@ -12,10 +12,12 @@ import numpy as np
 
 from acoustics.arrays import Floats, freeze
 from acoustics.reported import Reported
+from acoustics.tags import stored_as
 
 _SILENCE_DB: Final = -200.0  # of a band that is not known, for the least that a number can be
 
 
+@stored_as("single number/1")
 @dataclass(frozen=True, eq=False)
 class SingleNumber:
     """One number that a standard makes of a room's bands.
@@ -57,6 +59,7 @@ class SingleNumber:
         return nan if self.blank_hz else self.unrounded_db
 
 
+@stored_as("kind of single number/1")
 @dataclass(frozen=True)
 class Number:
     """A single number to be made. standardised : of the levels that are standardised for the room, else of those in it.

@@ -21,6 +21,7 @@ from acoustics.levels.filters import band_passes
 from acoustics.levels.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted, weighted_by
 from acoustics.reported import Axis, Reported
 from acoustics.room_response import RoomResponse
+from acoustics.tags import stored_as
 
 REFERENCE_PA: Final = 20e-6
 _DB: Final = "dB re 20 µPa"
@@ -28,6 +29,7 @@ _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the third octave")
 _OCTAVE: Final = Axis("octave_hz", "Hz", "Nominal centre of the octave")
 
 
+@stored_as("sound levels/1")
 @dataclass(frozen=True, eq=False)
 class Levels:
     """Single numbers, octaves and third octaves of one pressure history, levels in dB re 20 uPa.

@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 
 from acoustics.arrays import Floats, Integers, freeze, frozen
 from acoustics.errors import AcousticsError
+from acoustics.tags import stored_as
 
 HEX_OF_MESHIO: Final = (0, 4, 3, 1, 7, 5, 2, 6)  # scikit-fem's corner i is meshio's corner HEX_OF_MESHIO[i]
 _SIX: Final = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
@@ -25,6 +26,7 @@ _BENT: Final = 0.94  # cosine of 20 degrees
 EXACT: Final = 5  # order of quadrature: products of two functions on parallelepipeds and straight tetrahedra
 
 
+@stored_as("cavity mesh/1")
 @dataclass(frozen=True, eq=False)
 class CavityMesh:
     """The cells of a room, tetrahedra or hexahedra, and the named parts of its boundary.

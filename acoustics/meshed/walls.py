@@ -14,11 +14,13 @@ import scipy
 
 from acoustics.arrays import Floats, freeze, positive
 from acoustics.errors import AcousticsError
+from acoustics.tags import stored_as
 
 _RESISTANCE_OF_MOST: Final = 1.567  # specific resistance of the highest random-incidence absorption
 MOST_ABSORBED: Final = 0.951  # which it is
 
 
+@stored_as("wall of a room/1")
 @dataclass(frozen=True, eq=False)
 class Wall:
     """A locally reacting wall that absorbs sound: rho c over its impedance, a real number.
@@ -63,6 +65,7 @@ class Wall:
         return len(set(self.admittance.values())) == 1
 
 
+@stored_as("yielding wall of a room/1")
 @dataclass(frozen=True, eq=False)
 class YieldingWall:
     """A locally reacting wall that gives way: every bit of it a mass on a spring and a dashpot, held from behind.

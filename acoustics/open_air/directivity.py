@@ -10,11 +10,13 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, frozen
 from acoustics.open_air.radiated_power import radiated_power
+from acoustics.tags import stored_as
 
 ANGLES_DEG: Final = np.arange(-90.0, 91.0)
 FLOOR_DB: Final = -120.0
 
 
+@stored_as("directivity/1")
 @dataclass(frozen=True, eq=False)
 class Directivity:
     """Far field of a baffled surface on two half circles, along its first and its second side.

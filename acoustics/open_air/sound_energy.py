@@ -25,6 +25,7 @@ from acoustics.open_air.rayleigh import POINTS_PER_WAVE
 from acoustics.reported import Axis, Reported
 from acoustics.rooms.continuation import fast_length
 from acoustics.source import SurfaceVelocity
+from acoustics.tags import stored_as
 
 REFERENCE_J: Final = 1e-12
 _DB: Final = "dB re 1 pJ"
@@ -38,6 +39,7 @@ _FAINT: Final = 1e-3  # of the largest peak of the density, below which a peak i
 _JUMP: Final = 0.01  # mean square of the velocity at the start over that of the record
 
 
+@stored_as("sound energy/1")
 @dataclass(frozen=True, eq=False)
 class SoundEnergy:
     """What a baffled surface radiates to one side in a record.

@@ -31,6 +31,7 @@ from acoustics.rooms.box import Box, inside, room_modes
 from acoustics.rooms.box_transfer import horizontal_wavenumber, overlaps
 from acoustics.rooms.cosine_orders import not_in, resolved_orders, square
 from acoustics.source import SurfaceShapes
+from acoustics.tags import stored_as
 
 MOST: Final = 300  # cavity modes kept: coordinates cost as much as modes of the structure
 SETTLED: Final = 1e-6  # largest mass the last cosines may add to a unit modal mass
@@ -39,6 +40,7 @@ FINEST: Final = 64  # cosines in one direction at most
 NO_END: Final = 1 << 30  # an order that no mode has
 
 
+@stored_as("leak of a room/1")
 @dataclass(frozen=True, eq=False)
 class Leak:
     """An opening of the room to still air outside, as a plug of air that moves in it.

@@ -11,6 +11,7 @@ import numpy as np
 
 from acoustics.arrays import Floats, freeze
 from acoustics.reported import Axis, Reported
+from acoustics.tags import stored_as
 
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")
 _DB: Final = "dB re 20 µPa"
@@ -22,6 +23,7 @@ _OF_ROOM: Final = 0.238  # degrees of freedom of a microphone's mean square, of 
 _DB_PER: Final = 10 / np.log(10)  # of a level, of a small relative change of a mean square
 
 
+@stored_as("statistical bands/1")
 @dataclass(frozen=True, eq=False)
 class StatisticalBands:
     """Levels in the room by statistical energies {nominal centre [Hz]: [dB]}, not standardised, and their worth.

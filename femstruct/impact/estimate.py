@@ -29,6 +29,7 @@ from femstruct.impact.exact.exact_march import exact_march
 from femstruct.impact.result.response import Response
 from femstruct.impact.scene.bodies import Scene
 from femstruct.reported import Reported
+from femstruct.tags import stored_as
 
 STRICTER = 100.0
 STRICT = 1e-10  # at the latest here the tolerance limits every step; a loose one need not
@@ -39,6 +40,7 @@ LEAST_ERROR = 1e-13  # of a peak force or a speed: what no tolerance takes away
 FAINT = 1e-9  # of the largest force or speed of all: one below is rounding of the others, and is compared with that
 
 
+@stored_as("number with its error/1")
 @dataclass(frozen=True)
 class Resolved:
     """A number of a run and its estimated error, in the same unit; scale : what the error is small against, the number
@@ -54,6 +56,7 @@ class Resolved:
         return self.error / self.scale if self.scale > 0.0 else 0.0
 
 
+@stored_as("error estimate/1")
 @dataclass(frozen=True)
 class ErrorEstimate:
     """What a run is wrong by: peak forces [N] by contact, velocities at the end of the window [m/s] by body.

@@ -13,10 +13,12 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError, Finding
 from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.probe import Probe
+from femstruct.tags import stored_as
 
 Kind = Literal["rigid", "elastic", "residual"]
 
 
+@stored_as("force row/1")
 @dataclass(frozen=True, eq=False)
 class ForceRow:
     """One force of the structure in modal coordinates: stiffness . q + damping . q' + inertia . q'' [N], and of loads.
@@ -52,6 +54,7 @@ class ForceRow:
         )
 
 
+@stored_as("holder of energy/1")
 @dataclass(frozen=True, eq=False)
 class Holder:
     """What holds a share of the energy of the modes: q' . inertia q' / 2 + q . stiffness q / 2.
@@ -85,6 +88,7 @@ def in_time(viscous: Floats, hysteretic: Floats, omega: Floats) -> Floats:
     return viscous + np.divide(hysteretic, scale, out=np.zeros_like(scale), where=scale > 0)
 
 
+@stored_as("modal basis/1")
 @dataclass(frozen=True, eq=False)
 class ModalBasis:
     """Mass-normalised modes and residual vectors: q_r'' + (viscous q')_r + omega_r^2 q_r = phi_r . f.

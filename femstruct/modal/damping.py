@@ -16,11 +16,13 @@ from femstruct.modal.likeness import TIE, pairing
 from femstruct.modal.loss_tables import beyond_tables, material_losses, unused_losses
 from femstruct.modal.outputs import AXES
 from femstruct.model.materials.loss_by_frequency import loss_at
+from femstruct.tags import stored_as
 
 _NEAR = 0.05  # how far mode N may be from where its damping was measured
 _MIN_MAC = 0.5  # the least MAC at which two shapes count as the same mode
 
 
+@stored_as("damping by ratio/1")
 @dataclass(frozen=True)
 @checked("damping")
 class Ratio:
@@ -33,6 +35,7 @@ class Ratio:
     value: float
 
 
+@stored_as("damping by loss factor/1")
 @dataclass(frozen=True)
 @checked("damping")
 class LossFactor:
@@ -45,6 +48,7 @@ class LossFactor:
     value: float
 
 
+@stored_as("damping of Rayleigh/1")
 @dataclass(frozen=True)
 @checked("damping")
 class Rayleigh:
@@ -62,6 +66,7 @@ class Rayleigh:
     beta: float
 
 
+@stored_as("damping from materials/1")
 @dataclass(frozen=True)
 class FromMaterials:
     """The loss factor of every part's own material or foundation: sum of eta_part K_part, a full matrix.
@@ -73,6 +78,7 @@ class FromMaterials:
     """
 
 
+@stored_as("damping of a mode/1")
 @dataclass(frozen=True)
 @checked("damping")
 class ModeDamping:
@@ -100,6 +106,7 @@ class ModeDamping:
         _check(where, self.ratio if self.ratio is not None else self.loss_factor)
 
 
+@stored_as("damping law/1")
 @dataclass(frozen=True)
 @checked("damping", base="Ratio, LossFactor, Rayleigh or FromMaterials; Ratio({value})?")
 class Damping:

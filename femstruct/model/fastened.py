@@ -9,8 +9,10 @@ from scipy.sparse import csr_array
 
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.tags import stored_as
 
 
+@stored_as("elastic connection/1")
 @dataclass(frozen=True, eq=False)
 class Elastic:
     """Springs and dashpots that act on generalised displacements: lumped, spread over a region, or in a joint.
@@ -43,6 +45,7 @@ class Elastic:
         )
 
 
+@stored_as("attached inertia/1")
 @dataclass(frozen=True, eq=False)
 class Inert:
     """Mass without elasticity on generalised displacements.
@@ -65,6 +68,7 @@ class Inert:
         freeze(self, mass=frozen(f"{self.name} mass", self.mass, (self.rows.shape[0],)))
 
 
+@stored_as("tie/1")
 @dataclass(frozen=True, eq=False)
 class Tie:
     """Displacements that are held at zero: a support, or the relative motion of the two sides of a joint.

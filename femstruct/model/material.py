@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.materials.loss_by_frequency import Loss, check_loss
+from femstruct.tags import stored_as
 
 DENSEST = 23_000.0
 """Density [kg/m^3] that no solid exceeds: osmium has 22 600."""
 IMPOSSIBLE = 1e5  # kg/m^3: beyond it a density is none, not even that of a sheet that stands for what it carries
 
 
+@stored_as("material/1")
 @dataclass(frozen=True)
 @checked("materials")
 class Material:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.errors import FemstructError
+from femstruct.tags import stored_as
 
 
+@stored_as("mesh/1")
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Nodes and cells of all parts; every part has nodes of its own, joints are equations between them.

@@ -17,6 +17,7 @@ from femstruct.errors import FemstructError, InputError
 from femstruct.model.materials.loss_by_frequency import Loss
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.region import Region
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:
     from femstruct.model.imported.imported_mesh import ImportedMesh
@@ -56,6 +57,7 @@ class Drawn(NamedTuple):
     lines: Integers
 
 
+@stored_as("share of the losses/1")
 class LossShare(NamedTuple):
     """What some materials of a part have of its stiffness: their names, loss factor and the matrix [n, n] on its
     degrees of freedom, the part of the energy of any motion that is theirs."""

@@ -12,8 +12,10 @@ from femstruct.model.mesh import Mesh
 from femstruct.model.meshed import Meshed
 from femstruct.model.probe import Point, Surface
 from femstruct.model.structure import Structure
+from femstruct.tags import stored_as
 
 
+@stored_as("meshed model/1")
 @dataclass(frozen=True, eq=False)
 class Model:
     """A structure ready to be assembled.

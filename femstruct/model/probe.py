@@ -11,8 +11,10 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import FemstructError
+from femstruct.tags import stored_as
 
 
+@stored_as("probe/1")
 @dataclass(frozen=True, eq=False)
 class Probe:
     """A generalised displacement: a weighted sum of nodal components, and the force that works on it.
@@ -65,6 +67,7 @@ class Probe:
         return csr_array((self.weights, (np.zeros_like(columns), columns)), shape=(1, n_nodes * N_COMPONENTS))
 
 
+@stored_as("point/1")
 @dataclass(frozen=True, eq=False)
 class Point:
     """A named place of the structure, interpolated by the shape functions of the element it lies in.
@@ -113,6 +116,7 @@ class Point:
         return Probe(self.nodes[used], self.components[used], row[used])
 
 
+@stored_as("surface/1")
 @dataclass(frozen=True, eq=False)
 class Surface:
     """A radiating surface of any form: quadrature points and the normal displacement there.

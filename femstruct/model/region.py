@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from femstruct.declared import checked
+from femstruct.tags import stored_as
 
 Vector = tuple[float, float, float]
 Pair = tuple[float, float]
@@ -14,6 +15,7 @@ Facing = Literal["above", "below", "x", "-x", "y", "-y"]  # also of what stands 
 Touched = Facing | Literal["middle"]  # where a foundation acts: on a face, or at the mid-surface
 
 
+@stored_as("region/1")
 @dataclass(frozen=True)
 @checked("region")
 class Region:

@@ -10,11 +10,13 @@ import numpy as np
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.region import Pair
+from femstruct.tags import stored_as
 
 ROUND = 16
 """Points of the outline of a round section: between them a bending stress is larger by 2 % at most."""
 
 
+@stored_as("section/1")
 @dataclass(frozen=True)
 @checked("sections")
 class Section:

@@ -21,6 +21,7 @@ from femstruct.model.materials.edge_wall import EdgeWall
 from femstruct.model.materials.loss_by_frequency import Loss, check_loss
 from femstruct.model.part import Body, Part
 from femstruct.model.region import Facing, Pair, Region, Side
+from femstruct.tags import stored_as
 
 Fix = Literal["simple", "simple soft", "simple hard", "clamped", "roller"]
 SOFT: Final = "simple soft"
@@ -33,6 +34,7 @@ FIXED: Final = f"simple, roller, clamped, simple hard, simple soft, or a tuple o
 WHOLE = Region("whole")
 
 
+@stored_as("joint/1")
 @dataclass(frozen=True)
 @checked("joints")
 class Joint:
@@ -80,6 +82,7 @@ class Joint:
             raise InputError(f"{where}.stiffness", got="springs of a sliding joint", expected="none", do=do)
 
 
+@stored_as("place on a part/1")
 @dataclass(frozen=True)
 @checked("points", at="a tuple of places: ((x, y),) for one on a plate")
 class PlaceOn:
@@ -111,6 +114,7 @@ class PlaceOn:
             raise InputError(f"points.{self.name}.at", got="()", expected="one place or more")
 
 
+@stored_as("surface of a part/1")
 @dataclass(frozen=True)
 @checked("surfaces")
 class SurfaceOn:
@@ -135,6 +139,7 @@ class SurfaceOn:
     region: Region = WHOLE
 
 
+@stored_as("support/1")
 @dataclass(frozen=True)
 @checked("supports", fix=FIXED)
 class Support:
@@ -219,6 +224,7 @@ def pins(fix: Fix | tuple[str, ...]) -> bool:
     return fix in (*SIMPLE, "roller") if isinstance(fix, str) else set(fix) <= set(DIRECTIONS[:3])
 
 
+@stored_as("structure/1")
 @dataclass(frozen=True)
 @checked("structure")
 class Structure:

@@ -32,11 +32,13 @@ from femstruct.model.model import Model
 from femstruct.model.probe import Point
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
+from femstruct.tags import stored_as
 
 HEAVIEST: Final = 2e4  # kg per cube of the size of a structure: metal all through, the densest of which has 22600
 _SIX: Final = len(DIRECTIONS)
 
 
+@stored_as("attachments/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Attachments(GivenNodes):
@@ -180,6 +182,7 @@ class Attachments(GivenNodes):
         return tuple(made)
 
 
+@stored_as("attachments mesh/1")
 @dataclass(frozen=True, eq=False)
 class AttachmentsMesh(Meshed):
     """The nodes that lead links and that no cell has, or none that turns. rows [n] : of the points of the mesh."""

@@ -22,8 +22,10 @@ from femstruct.model.region import Vector
 from femstruct.model.rows import carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.plausibility import density_findings
+from femstruct.tags import stored_as
 
 
+@stored_as("block/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Block(Part):
@@ -88,6 +90,7 @@ class Block(Part):
         return BlockMesh(self, first)
 
 
+@stored_as("block mesh/1")
 @dataclass(frozen=True, eq=False)
 class BlockMesh(Meshed):
     """A rigid block: one node, `first`, at its centre of mass."""

@@ -27,11 +27,13 @@ from femstruct.model.region import Region, Touched
 from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import bodies_of
 from femstruct.parts.plate import Plate
+from femstruct.tags import stored_as
 
 NOTABLE = 1e-3  # of a frequency: plates that a layer would raise by less stay rigid in their planes
 ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
 
 
+@stored_as("foundation/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Foundation(Part):

@@ -27,10 +27,12 @@ from femstruct.model.section import Section
 from femstruct.parts.of_frames.frame_lines import frame_segments
 from femstruct.parts.of_frames.frame_mesh import FrameMesh
 from femstruct.parts.plausibility import section_findings
+from femstruct.tags import stored_as
 
 MOST_BARS = 100_000  # more is a slip of a unit, and does not fit into memory
 
 
+@stored_as("frame/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Frame(Part):

@@ -29,6 +29,7 @@ from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import bodies_of
 from femstruct.parts.foundation import Foundation, lines_across
 from femstruct.parts.of_frames.frame_mesh import FrameMesh
+from femstruct.tags import stored_as
 
 ORDER = 4  # Gauss points of a piece of a line: exact for products of two cubic deflections
 PIECES = 16  # of a bar under a line: its moment lacks p h^2 / 12 of them, 0.3 % of p L^2 / 8
@@ -39,6 +40,7 @@ _Places = tuple[Floats, Floats, Floats]
 rows x, y and the normal of the ceiling."""
 
 
+@stored_as("hangers/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Hangers(Part):

@@ -18,10 +18,12 @@ from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Vector
+from femstruct.tags import stored_as
 
 MOMENT_ROUNDING = 1e-6  # of the largest moment: moments are written with a few digits
 
 
+@stored_as("inertia/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Inertia(Part):

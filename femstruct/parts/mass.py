@@ -20,11 +20,13 @@ from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.region import Region
 from femstruct.model.rows import sparse_rows
+from femstruct.tags import stored_as
 
 Per = Literal["total", "length", "area"]
 ORDER = 4  # Gauss points a direction: exact for products of two cubic deflections
 
 
+@stored_as("mass/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Mass(Part):

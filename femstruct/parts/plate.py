@@ -24,10 +24,12 @@ from femstruct.model.part import Body, Part
 from femstruct.model.region import Pair, Vector
 from femstruct.parts.of_plates.plate_mesh import PlateMesh
 from femstruct.parts.plausibility import refuse_thicker, thickness_findings
+from femstruct.tags import stored_as
 
 InPlane = Literal["elastic", "rigid"]
 
 
+@stored_as("plate/1")
 @dataclass(frozen=True)
 @checked("parts", mesh="an element side in m, or a tuple of 2 divisions (nx, ny)")
 class Plate(Part):

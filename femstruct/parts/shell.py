@@ -24,8 +24,10 @@ from femstruct.model.region import Vector
 from femstruct.parts.of_meshes.mesh_part import MeshPart
 from femstruct.parts.of_meshes.shell_mesh import ShellMesh
 from femstruct.parts.of_meshes.shell_properties import cell_thickness
+from femstruct.tags import stored_as
 
 
+@stored_as("shell/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Shell(MeshPart):

@@ -29,8 +29,10 @@ from femstruct.parts.of_meshes.grid_cells import GridCells
 from femstruct.parts.of_meshes.shell_mesh import FlatMesh
 from femstruct.parts.plausibility import refuse_thicker, thickness_findings
 from femstruct.parts.shell import Shell
+from femstruct.tags import stored_as
 
 
+@stored_as("slab/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Slab(GivenNodes):
@@ -135,6 +137,7 @@ class Slab(GivenNodes):
         return SlabMesh(shell, first, cells, np.full(len(cells.cells), self.thickness), rectangle_axes(self), self)
 
 
+@stored_as("slab mesh/1")
 @dataclass(frozen=True, eq=False)
 class SlabMesh(FlatMesh):
     """A slab on its cells."""

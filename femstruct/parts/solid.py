@@ -21,10 +21,12 @@ from femstruct.model.materials.orthotropic import AnyMaterial
 from femstruct.model.region import Vector
 from femstruct.parts.of_meshes.mesh_part import MeshPart
 from femstruct.parts.of_meshes.solid_mesh import SolidMesh
+from femstruct.tags import stored_as
 
 STIFF: Final = "tet4"  # many times too stiff in bending, whatever the shape of the cells
 
 
+@stored_as("solid/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Solid(MeshPart):

@@ -17,11 +17,13 @@ from femstruct.model.given import Given
 from femstruct.model.imported.stated.left_out import Makes
 from femstruct.model.model import Model
 from femstruct.model.part import Part
+from femstruct.tags import stored_as
 
 Six = tuple[float, float, float, float, float, float]  # x y z rx ry rz, global axes
 NO_STIFFNESS: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+@stored_as("spring/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Spring(Part):

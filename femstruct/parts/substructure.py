@@ -26,6 +26,7 @@ from femstruct.model.rows import sparse_rows
 from femstruct.model.structure import PlaceOn, SurfaceOn
 from femstruct.parts.of_meshes.cell_surfaces import side_surface
 from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
+from femstruct.tags import stored_as
 
 _SIX = 6
 UNWEIGHED = ". Nor do they say what mass lies between that and the rest: weight and motions of the base are refused"
@@ -34,6 +35,7 @@ FLAT = 1e-9  # largest difference of the normals of cells in parallel planes
 RESISTS = 1e-4  # energy of a rigid motion, of that of the diagonal of K: two swapped nodes have 1e-3 to 6e-2
 
 
+@stored_as("substructure/1")
 @dataclass(frozen=True)
 @checked("parts")
 class Substructure(GivenNodes):
@@ -117,6 +119,7 @@ class Substructure(GivenNodes):
         return SubstructureMesh(self, first)
 
 
+@stored_as("substructure mesh/1")
 @dataclass(frozen=True, eq=False)
 class SubstructureMesh(Meshed):
     """The nodes of a component. first : number of its first node."""
@@ -295,6 +298,7 @@ class SubstructureMesh(Meshed):
         return drawn_nodes(self.places, self.nodes, one.quads, one.lines, n_nodes)
 
 
+@stored_as("flat substructure mesh/1")
 @dataclass(frozen=True, eq=False)
 class FlatSubstructureMesh(SubstructureMesh):
     """A plate or shell that was reduced, where it is flat: bars are joined to it as to what it was. cells : between its

@@ -22,6 +22,7 @@ from femstruct.arrays import Floats, freeze, frozen, frozen_with_gaps
 from femstruct.reported import Reported
 from femstruct.sound.placed import Placed
 from femstruct.sound.surface import Motion
+from femstruct.tags import stored_as
 
 REFERENCE_J: Final = 1e-12
 LINES_A_BAND: Final = 2.0  # lines of the record within a third octave from which on the band is shown
@@ -36,6 +37,7 @@ SEEN: Final = 4096  # samples of which a surface's largest speed is taken
 _BAND: Final = ("band_hz", "Hz", "Nominal centre of the third octave")
 
 
+@stored_as("surface shares/1")
 @dataclass(frozen=True, eq=False)
 class SurfaceShares:
     """What each surface of a room gives its air in a record, by third octaves, and what is heard of it alone.

@@ -24,12 +24,14 @@ from femstruct.model.probe import Probe
 from femstruct.reported import Reported
 from femstruct.sound.placed import Placed
 from femstruct.sound.surface import surface_velocity
+from femstruct.tags import stored_as
 
 SHOWN: Final = 3  # frequencies whose directivity is shown where none are asked for
 # sound energy over the losses of the structure above which it damps the structure by 5 % in amplitude
 LOSSES_ALLOWED: Final = 0.1
 
 
+@stored_as("power response/1")
 @dataclass(frozen=True, eq=False)
 class PowerResponse:
     """Sound power [nf] [W/N^2] of a surface over the mean square of a harmonic force, its radiation efficiency [nf],
@@ -41,6 +43,7 @@ class PowerResponse:
     pattern: Directivity
 
 
+@stored_as("radiated sound/1")
 @dataclass(frozen=True, eq=False)
 class Radiated:
     """What a surface radiated into a half space in a record, and what was given to the structure until its end [J]:

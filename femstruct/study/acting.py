@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from femstruct.declared import Count, NotNegative, Positive, checked
 from femstruct.model.region import Vector
 from femstruct.study.asked import Spot
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:  # a model's modes need none of these
     from femstruct.impact.laws.law import Law
@@ -18,6 +19,7 @@ if TYPE_CHECKING:  # a model's modes need none of these
 BodySide = Literal["above", "below", "before", "after"]
 
 
+@stored_as("repetition of blows/1")
 @dataclass(frozen=True)
 @checked("repeat")
 class Repeat:
@@ -39,6 +41,7 @@ class Repeat:
     late: tuple[float, ...] = ()
 
 
+@stored_as("covering/1")
 @dataclass(frozen=True)
 @checked("covering")
 class Covering:
@@ -55,6 +58,7 @@ class Covering:
     measured_on: Literal["heavy", "light"] = "heavy"
 
 
+@stored_as("placed body/1")
 @dataclass(frozen=True)
 @checked("bodies")
 class PlacedBody:
@@ -88,6 +92,7 @@ class PlacedBody:
     covering: Covering | None = None
 
 
+@stored_as("planned contact/1")
 @dataclass(frozen=True)
 @checked("contacts")
 class PlannedContact:
@@ -107,6 +112,7 @@ class PlannedContact:
     preload: float = 0.0
 
 
+@stored_as("planned link/1")
 @dataclass(frozen=True)
 @checked("links")
 class PlannedLink:
@@ -127,6 +133,7 @@ class PlannedLink:
     preload: float = 0.0
 
 
+@stored_as("planned load/1")
 @dataclass(frozen=True)
 @checked("loads")
 class PlannedLoad:
@@ -149,6 +156,7 @@ class PlannedLoad:
     footstep: bool = False
 
 
+@stored_as("planned walk/1")
 @dataclass(frozen=True)
 @checked("loads")
 class PlannedWalk:
@@ -168,6 +176,7 @@ class PlannedWalk:
     repeat: Repeat = Repeat()
 
 
+@stored_as("rigid motion/1")
 @dataclass(frozen=True)
 @checked("initial.rigid")
 class RigidMotion:
@@ -184,6 +193,7 @@ class RigidMotion:
     spin: Vector
 
 
+@stored_as("initial motion/1")
 @dataclass(frozen=True)
 @checked("initial")
 class InitialMotion:

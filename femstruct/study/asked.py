@@ -11,6 +11,7 @@ import numpy as np
 from femstruct.declared import NotNegative, Positive, checked
 from femstruct.errors import InputError
 from femstruct.model.region import Pair
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:  # a model's modes need none of these
     from acoustics.fields.sound_field import SoundField
@@ -24,6 +25,7 @@ FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility", "
 RecordedQuantity = Literal["displacement", "velocity", "acceleration", "force", "travel", "stress"]
 
 
+@stored_as("spot/1")
 @dataclass(frozen=True)
 @checked("spot")
 class Spot:
@@ -44,6 +46,7 @@ class Spot:
         return f"{self.name}.{self.what}"
 
 
+@stored_as("extent of the modes/1")
 @dataclass(frozen=True)
 @checked("modes")
 class Extent:
@@ -57,6 +60,7 @@ class Extent:
     count: int | None = None
 
 
+@stored_as("frequency response request/1")
 @dataclass(frozen=True)
 @checked("frf")
 class FrfRequest:
@@ -85,6 +89,7 @@ class FrfRequest:
         return self.kind in ("pressure", "power") or self.drive.what == VOLUME_VELOCITY
 
 
+@stored_as("record/1")
 @dataclass(frozen=True)
 @checked("record")
 class Record:
@@ -102,6 +107,7 @@ class Record:
         return f"{self.target} {self.what}"
 
 
+@stored_as("time plan/1")
 @dataclass(frozen=True)
 @checked("time")
 class TimePlan:
@@ -117,6 +123,7 @@ class TimePlan:
     quiet: NotNegative = 0.0
 
 
+@stored_as("peak rule/1")
 @dataclass(frozen=True)
 @checked("peaks")
 class PeakRule:
@@ -133,6 +140,7 @@ class PeakRule:
     lowpass_hz: Positive | None = None
 
 
+@stored_as("accuracy rule/1")
 @dataclass(frozen=True)
 @checked("accuracy")
 class AccuracyRule:
@@ -154,6 +162,7 @@ class AccuracyRule:
         _refuse_unless_rising("accuracy.band", self.band)
 
 
+@stored_as("limit/1")
 @dataclass(frozen=True)
 @checked("limits")
 class Limit:
@@ -175,6 +184,7 @@ class Limit:
     room: str = ""
 
 
+@stored_as("room plan/1")
 @dataclass(frozen=True)
 @checked("rooms")
 class RoomPlan:

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from femstruct.declared import checked
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:  # a model's modes need none of it
     from femstruct.impact.result.fatigue import SNLine
 
 
+@stored_as("fatigue request/1")
 @dataclass(frozen=True)
 @checked("fatigue")
 class FatigueRequest:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from femstruct.reported import Reported
+from femstruct.tags import stored_as
 
 
+@stored_as("verdict/1")
 @dataclass(frozen=True)
 class Verdict:
     """A limit and what came of it, both in `unit`.
@@ -48,6 +50,7 @@ class Verdict:
         return None if self.value is None or self.least else self.limit - self.value
 
 
+@stored_as("sag under weight/1")
 @dataclass(frozen=True)
 class Sag:
     """How far a part has sunk under the weight of all [m]: its lowest node, of a block the centre of mass.
@@ -60,6 +63,7 @@ class Sag:
     tilt: float | None
 
 
+@stored_as("block mode/1")
 @dataclass(frozen=True)
 class BlockMode:
     """A mode in which mainly blocks move. number : from 1; shares : of its kinetic energy, by "BLOCK direction"."""
@@ -70,6 +74,7 @@ class BlockMode:
     shares: dict[str, float]
 
 
+@stored_as("ground force/1")
 @dataclass(frozen=True)
 class GroundForce:
     """Vertical force on the ground [N]: the largest the motion adds, the largest with the weight of all that stands
@@ -82,6 +87,7 @@ class GroundForce:
     attenuation_db: float | None
 
 
+@stored_as("time to rest/1")
 @dataclass(frozen=True)
 class Rest:
     """Time from a blow to rest: the longest of all blows [s], None where one is not at rest before the next; and the
@@ -91,6 +97,7 @@ class Rest:
     interval: float
 
 
+@stored_as("companion of a machine/1")
 @dataclass(frozen=True)
 class Companion:
     """A body that does not strike: an impact damper, a tuned mass.
@@ -105,6 +112,7 @@ class Companion:
     seated: bool | None
 
 
+@stored_as("energy share/1")
 @dataclass(frozen=True)
 class EnergyShare:
     """Where the energy put in until t [s] is [J]; the five add up to `put_in` within the ledger's residual.
@@ -124,6 +132,7 @@ class EnergyShare:
     dissipated: float
 
 
+@stored_as("machine/1")
 @dataclass(frozen=True)
 class Machine:
     """One case of a machine on its foundation.

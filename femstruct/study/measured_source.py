@@ -16,12 +16,14 @@ from femstruct.modal.steady.source_mobility import ForceSource, SourceMobility
 from femstruct.modal.steady.spectrum import Spectrum
 from femstruct.reported import Held
 from femstruct.study.asked import Spot
+from femstruct.tags import stored_as
 
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")
 _DB: Final = "dB re 20 µPa"
 _PW: Final = "dB re 1 pW"
 
 
+@stored_as("measured source/1")
 @dataclass(frozen=True)
 @checked("sources")
 class MeasuredSource:
@@ -83,6 +85,7 @@ class MeasuredSource:
         return self.spectra[0].band
 
 
+@stored_as("source levels/1")
 @dataclass(frozen=True, eq=False)
 class SourceLevels:
     """Sound of a measured source at one receiver. bands_db : levels of the mean square {nominal centre [Hz]: [dB]}, nan
@@ -95,6 +98,7 @@ class SourceLevels:
         object.__setattr__(self, "bands_db", MappingProxyType(dict(self.bands_db)))
 
 
+@stored_as("installed source/1")
 @dataclass(frozen=True, eq=False)
 class InstalledSource:
     """What a measured source does where it stands. power_db : structure-borne sound power into the structure, by band,

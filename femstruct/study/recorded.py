@@ -8,6 +8,7 @@ from typing import Annotated, Final
 
 from femstruct.arrays import Floats
 from femstruct.reported import Reported
+from femstruct.tags import stored_as
 
 NET_FORCE: Final = "net force on "  # begins the names of channels that no study asks for
 WITH_WEIGHT: Final = " with weight"
@@ -28,6 +29,7 @@ def damped_forces(channels: Iterable[str], outputs: Iterable[str]) -> list[str]:
     return [one for one in channels if one.removesuffix(" x").removesuffix(" y").removesuffix(" force") in names]
 
 
+@stored_as("largest stress/1")
 @dataclass(frozen=True, eq=False)
 class LargestStress:
     """The largest equivalent stress of von Mises that every place of a part ever has, filtered as peaks are.
@@ -57,6 +59,7 @@ class LargestStress:
         return f"({x:.4g}, {y:.4g}, {z:.4g}) m{f', {side}' if side else ''}"
 
 
+@stored_as("channel/1")
 @dataclass(frozen=True, eq=False)
 class Channel:
     """A recorded history: values [nt] at the times of its case, ``case.response.t`` [nt] [s], its unit, and the peaks

@@ -31,12 +31,14 @@ from femstruct.study.machine import Machine, Verdict
 from femstruct.study.measured_source import InstalledSource
 from femstruct.study.recorded import Channel
 from femstruct.study.study import Case, Plan
+from femstruct.tags import stored_as
 
 _LEVELS: Final = "Levels at the receivers, ROOM.RECEIVER"
 _TOTAL_LEVELS: Final = "Levels of structure and striking bodies together, ROOM.RECEIVER"
 _LEVEL: Final = "Levels at one receiver"
 
 
+@stored_as("frequency response/1")
 @dataclass(frozen=True, eq=False)
 class Frf:
     """A frequency response: frequency [nf] [Hz], complex values [nf], unit. sound : of a sound power, whose values are
@@ -72,6 +74,7 @@ class Frf:
         return float(lowest ** (-1.0 / power)) if lowest > own * 2.0**-power else float(size[at])
 
 
+@stored_as("deviation by more modes/1")
 @dataclass(frozen=True)
 class Deviation:
     """A channel in the band, or a contact's peak force, with a smaller and a larger basis: largest |values|, largest
@@ -84,6 +87,7 @@ class Deviation:
     share: Annotated[float, Reported("1", "Difference over the value of the larger basis")]
 
 
+@stored_as("accuracy check/1")
 @dataclass(frozen=True)
 class AccuracyCheck:
     """What more modes change in the first impact of a case, against what was asked.
@@ -119,6 +123,7 @@ class AccuracyCheck:
         return self.worst[1].share if self.worst else 0.0
 
 
+@stored_as("own sound/1")
 @dataclass(frozen=True, eq=False)
 class OwnSound:
     """The own sound of striking bodies, in the open air of some rooms.
@@ -136,6 +141,7 @@ class OwnSound:
 NO_OWN_SOUND: Final = OwnSound({}, {}, {}, {})
 
 
+@stored_as("drop/1")
 @dataclass(frozen=True, eq=False)
 class Drop:
     """What is kept of one blow of a source that strikes several places: how it ended (a sentence), peak forces of the
@@ -151,6 +157,7 @@ class Drop:
     verdicts: tuple[Verdict, ...] = ()
 
 
+@stored_as("results of a case/1")
 @dataclass(frozen=True, eq=False)
 class CaseResult:
     """One case, every stage. `basis_key` names its basis in StudyResult.bases.
@@ -214,6 +221,7 @@ class CaseResult:
         return self.heard.total_levels
 
 
+@stored_as("peak change/1")
 @dataclass(frozen=True)
 class PeakChange:
     """Change of a peak against the baseline [%], negative for a reduction; None where the baseline's peak is zero.
@@ -226,6 +234,7 @@ class PeakChange:
     converged: bool = True
 
 
+@stored_as("comparison of a case/1")
 @dataclass(frozen=True)
 class CaseComparison:
     """One case beside the baseline.
@@ -243,6 +252,7 @@ class CaseComparison:
     notes: tuple[str, ...] = ()
 
 
+@stored_as("comparison of cases/1")
 @dataclass(frozen=True)
 class Comparison:
     """All cases against the baseline; `filter` says what every peak went through.
@@ -256,6 +266,7 @@ class Comparison:
     inputs: tuple[str, ...] = ()
 
 
+@stored_as("results of a study/1")
 @dataclass(frozen=True, eq=False)
 class StudyResult:
     """A study, run: bases and meshed models by key, results by case, the comparison, and where they come from.

@@ -8,8 +8,10 @@ from typing import Literal
 from femstruct.declared import Positive, checked
 from femstruct.modal.steady.spectrum import Spectrum
 from femstruct.study.asked import Spot
+from femstruct.tags import stored_as
 
 
+@stored_as("vibration/1")
 @dataclass(frozen=True)
 @checked("vibration")
 class Vibration:

@@ -8,10 +8,12 @@ from typing import Literal
 
 from femstruct.declared import checked
 from femstruct.model.structure import Structure
+from femstruct.tags import stored_as
 
 BeamEnd = Literal["pinned", "free", "clamped"]
 
 
+@stored_as("oscillator model/1")
 @dataclass(frozen=True)
 @checked("structure")
 class OscillatorModel:
@@ -27,6 +29,7 @@ class OscillatorModel:
     points: Mapping[str, float]
 
 
+@stored_as("rod model/1")
 @dataclass(frozen=True)
 @checked("structure")
 class RodModel:
@@ -46,6 +49,7 @@ class RodModel:
     points: Mapping[str, float]
 
 
+@stored_as("beam model/1")
 @dataclass(frozen=True)
 @checked("structure")
 class BeamModel:
@@ -65,6 +69,7 @@ class BeamModel:
     points: Mapping[str, float]
 
 
+@stored_as("structure by its modes/1")
 @dataclass(frozen=True)
 @checked("structure")
 class ModesModel:
@@ -83,6 +88,7 @@ class ModesModel:
     at: Mapping[str, float] = field(default_factory=dict)
 
 
+@stored_as("no structure/1")
 @dataclass(frozen=True)
 class NoStructure:
     """`structure: none`: only bodies and the ground.

@@ -27,11 +27,13 @@ from femstruct.study.counting import FatigueRequest
 from femstruct.study.measured_source import MeasuredSource
 from femstruct.study.steady_vibration import Vibration
 from femstruct.study.structures import StructureModel
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:  # a model's modes need nothing of impacts
     from femstruct.impact.evaluations.evaluation import Evaluation
 
 
+@stored_as("study/1")
 @dataclass(frozen=True)
 @checked("study")
 class Study:
@@ -102,6 +104,7 @@ class Study:
             raise InputError("study.peaks.lowpass_hz", got=f"{lowpass:g} Hz", expected=expected)
 
 
+@stored_as("case/1")
 @dataclass(frozen=True)
 @checked("cases")
 class Case:
@@ -128,6 +131,7 @@ class Case:
         return tuple(self.drops.values()) or (self.study,)
 
 
+@stored_as("plan of a study/1")
 @dataclass(frozen=True)
 @checked("plan")
 class Plan:

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 LAYERS = [
     [
         "femstruct.conventions",
+        "femstruct.tags",
         "femstruct.errors",
         "femstruct.findings",
         "femstruct.arrays",
@@ -41,6 +42,7 @@ LAYERS = [
 ]
 ACOUSTICS = [
     [
+        "acoustics.tags",
         "acoustics.errors",
         "acoustics.arrays",
         "acoustics.reported",
@@ -300,7 +302,7 @@ def test_no_folder_holds_more_files_than_a_reader_takes_in() -> None:
 
 
 # What both packages have because neither may import the other, and what Python runs by name.
-IN_BOTH_PACKAGES = {"arrays.py", "errors.py", "reported.py", "__main__.py", "__init__.py"}
+IN_BOTH_PACKAGES = {"arrays.py", "errors.py", "reported.py", "tags.py", "__main__.py", "__init__.py"}
 
 
 def test_a_file_name_has_one_meaning() -> None:

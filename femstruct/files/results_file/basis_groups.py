@@ -30,7 +30,7 @@ def write_basis(target: h5py.Group, basis: ModalBasis) -> None:
     put(target, "residual_norm", basis.residual_norm, "1", "Convergence of the eigenpair", (mode,))
     put(target, "modal_mass", basis.modal_mass, "kg", "Effective modal mass", (direction, mode))
     put(target, "points", basis.points, "m", "Nodes, global axes", (node, direction))
-    put(target, "shapes", basis.shapes, "kg^-0.5", "Mass-normalised shapes", (node, component, mode))
+    put(target, "shapes", basis.shapes, "kg^-0.5", "Mass-normalised shapes", (node, component, mode), whole=0)
     if basis.outputs:
         rows = np.array([[row.stiffness, row.damping, row.inertia] for row in basis.outputs.values()])
         about = f"Force of a spring, foundation, support or joint, {DAMPED_FORCE} where a case has one"

@@ -20,7 +20,7 @@ import numpy as np
 
 from femstruct.errors import FemstructError, InputError
 from femstruct.files.atomic import replacing
-from femstruct.files.results_file.datasets import axis, group, put
+from femstruct.files.results_file.datasets import axis, group, put, remembered
 from femstruct.files.results_file.seal import refuse_broken_seal, write_sealed
 from femstruct.files.results_file.swept_file import headed, write_rows
 from femstruct.files.results_file.whole import NOUNS, read_whole, write_whole
@@ -91,10 +91,11 @@ def write_found(path: str | Path, found: Found | Front) -> None:
     """
 
     def write(file: h5py.File) -> None:
-        write_rows(file, found.rows)
-        if isinstance(found, Front):
-            _write_front(file, found)
-        write_whole(file, found)
+        with remembered() as written:
+            write_rows(file, found.rows)
+            if isinstance(found, Front):
+                _write_front(file, found)
+            write_whole(file, found, written)
 
     write_sealed(path, write)
 

@@ -7,11 +7,9 @@ in what is read from it, without a line here.
 from __future__ import annotations
 
 import dataclasses
-import importlib
 from collections.abc import Callable, Mapping
 from enum import Enum
-from functools import cache
-from importlib.metadata import entry_points
+from functools import cache, partial
 from math import isfinite
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
@@ -21,6 +19,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from femstruct.errors import FemstructError
+from femstruct.files.results_file.tagged.format_4 import tag_of_format_4
+from femstruct.files.results_file.tagged.kinds_by_tag import NEWER, is_noun, kind_of, tag_of
+from femstruct.files.results_file.unread import NotKept
 
 Array = NDArray[Any]
 Keep = Callable[[Array], object]  # puts an array somewhere, tells where
@@ -28,15 +29,6 @@ Fetch = Callable[[Any], Array]  # finds it there again
 
 INLINE: Final = 128  # numbers of an array that stands in the tables themselves
 _CLASS: Final = "is"  # no field of a dataclass can have this name
-_OURS: Final = ("femstruct", "acoustics")
-_GROUPS: Final = (  # of packages that add nouns
-    "femstruct.evaluations",
-    "femstruct.laws",
-    "femstruct.language.evaluations",
-    "femstruct.language.laws",
-    "femstruct.language.parts",
-    "femstruct.language.rooms",
-)
 
 
 class Stored(NamedTuple):
@@ -73,6 +65,8 @@ def stored(value: object, keep: Keep) -> Stored:
             if one.size > INLINE:
                 return {"array": keep(one)}
             return {"small": [str(one.dtype), one.shape, [table(number) for number in one.ravel().tolist()]]}
+        if isinstance(one, NotKept):
+            return {"not kept": one.what}
         if dataclasses.is_dataclass(one) or hasattr(one, "_fields"):
             return {"noun": noun(one)}
         return other(one)
@@ -88,17 +82,17 @@ def stored(value: object, keep: Keep) -> Stored:
         if isinstance(one, csr_array):
             return {"rows": [table(part) for part in (one.data, one.indices, one.indptr, one.shape)]}
         if isinstance(one, Enum):
-            return {"enum": [_name(type(one)), one.name]}
+            return {"enum": [tag_of(type(one)), one.name]}
         if isinstance(one, complex):
             return {"complex": [table(one.real), table(one.imag)]}
         if callable(one):
-            return {"function": _name(one) if hasattr(one, "__qualname__") else _name(type(one))}
+            return {"function": tag_of(one if hasattr(one, "__qualname__") else type(one))}
         raise FemstructError("results", got=f"a {type(one).__qualname__}", expected="nouns, numbers, texts, arrays")
 
     def noun(one: Any) -> int:
         if id(one) not in known:
             names = getattr(one, "_fields", None) or [field.name for field in dataclasses.fields(one)]
-            nouns.append({_CLASS: _name(type(one))} | {name: table(getattr(one, name)) for name in names})
+            nouns.append({_CLASS: tag_of(type(one))} | {name: table(getattr(one, name)) for name in names})
             known[id(one)] = len(nouns) - 1
         return known[id(one)]
 
@@ -122,69 +116,62 @@ def restored(tables: Stored, fetch: Fetch) -> Any:
         return _READ[kind](inside, value) if kind in _READ else nouns[inside] if kind == "noun" else fetch(inside)
 
     for told in tables.nouns:
-        fields = {name: value(item) for name, item in told.items() if name != _CLASS}
-        nouns.append(_made(_class(told[_CLASS]), fields))
+        fields: Mapping[str, Any] = {name: value(item) for name, item in told.items() if name != _CLASS}
+        tag = tag_of_format_4(told[_CLASS]) or told[_CLASS]
+        while tag in NEWER:
+            tag, fields = NEWER[tag].tag, NEWER[tag].fields(fields)
+        nouns.append(_made(tag, fields))
     return value(tables.value)
 
 
-def _made(kind: type, fields: Mapping[str, Any]) -> Any:
-    """A noun as it was: what its making checks and derives has been checked and derived."""
+def _made(tag: str, fields: Mapping[str, Any]) -> Any:
+    """A noun as it was: what its making checks and derives has been checked and derived.
+
+    Fields that the file does not have are their defaults; those that the noun has no more are passed over.
+    """
+    kind = _class(tag)
+    names, defaults = _fields(kind)
+    told = {name: make() for name, make in defaults if name not in fields}
+    told |= {name: item for name, item in fields.items() if name in names}
+    if lacking := names - set(told):
+        raise FemstructError("results", got=f"a '{tag}' without {', '.join(sorted(lacking))}", expected="all fields")
     if hasattr(kind, "_fields"):
-        return kind(**fields)
+        return kind(**told)
     made: object = object.__new__(kind)
-    for name, item in (_left_out(kind) | dict(fields)).items():
+    for name, item in told.items():
         object.__setattr__(made, name, item)
     return made
 
 
 @cache
-def _defaults(kind: Any) -> tuple[tuple[str, Callable[[], Any]], ...]:
-    made = ((field.name, field.default_factory) for field in dataclasses.fields(kind))
-    return tuple((name, factory) for name, factory in made if factory is not dataclasses.MISSING)
+def _fields(kind: Any) -> tuple[frozenset[str], tuple[tuple[str, Callable[[], Any]], ...]]:
+    """The names of all fields, and what makes those that need not be given."""
+    if hasattr(kind, "_fields"):
+        plain = kind._field_defaults
+        return frozenset(kind._fields), tuple((name, partial(_same, plain[name])) for name in plain)
+    made = []
+    for field in dataclasses.fields(kind):
+        if field.default_factory is not dataclasses.MISSING:
+            made.append((field.name, field.default_factory))
+        elif field.default is not dataclasses.MISSING:
+            made.append((field.name, partial(_same, field.default)))
+    return frozenset(field.name for field in dataclasses.fields(kind)), tuple(made)
 
 
-def _left_out(kind: type) -> dict[str, Any]:
-    """What fields are when a file that is older than they are says nothing of them; plain defaults are the class's."""
-    return {name: factory() for name, factory in _defaults(kind)}
+def _same(value: Any) -> Any:
+    return value
 
 
-def _name(kind: Any) -> str:
-    return f"{kind.__module__}:{kind.__qualname__}"
+def _class(tag: str) -> Any:
+    """A class of nouns by its tag.
 
-
-def _class(name: str) -> type:
-    """A class of a noun by its name.
-
-    >>> _class("femstruct.errors:Finding").__name__
+    >>> _class("finding/1").__name__
     'Finding'
     """
-    found = _found(name)
-    nouns = isinstance(found, type) and (
-        dataclasses.is_dataclass(found) or hasattr(found, "_fields") or issubclass(found, Enum)
-    )
-    if not nouns:
-        raise FemstructError("results", got=f"'{name}'", expected="a noun")
-    kind: type = found
-    return kind
-
-
-def _found(name: str) -> Any:
-    """What has a name in this project, or in a package that adds parts or laws to it: nothing else is imported."""
-    module, _, word = name.partition(":")
-    package = module.partition(".")[0]
-    if package not in _OURS and package not in _added():
-        raise FemstructError(
-            "results", got=f"'{name}'", expected="nouns of femstruct", do=f"install the package '{package}'"
-        )
-    found: Any = importlib.import_module(module)
-    for part in word.split("."):
-        found = getattr(found, part)
+    found = kind_of(tag)
+    if not is_noun(found):
+        raise FemstructError("results", got=f"'{tag}'", expected="a noun")
     return found
-
-
-def _added() -> set[str]:
-    points = [point for group in _GROUPS for point in entry_points(group=group)]
-    return {point.module.partition(".")[0] for point in points}
 
 
 def _small(told: Any, value: Callable[[Any], Any]) -> Array:
@@ -200,9 +187,9 @@ def _rows(told: Any, value: Callable[[Any], Any]) -> csr_array:
 
 
 def _function(name: str, value: Callable[[Any], Any]) -> Callable[..., Any]:
-    """A function of this project; of anybody else's, what says that it is not in the file."""
-    if name.partition(".")[0] in _OURS and "<" not in name:
-        found: Callable[..., Any] = _found(name)
+    """A function with a tag; of any other what says that it is not in the file."""
+    if "/" in name or tag_of_format_4(name):
+        found: Callable[..., Any] = kind_of(name)
         return found
 
     def function(*_: object) -> Any:
@@ -217,6 +204,12 @@ def _function(name: str, value: Callable[[Any], Any]) -> Callable[..., Any]:
     return function
 
 
+def _member(told: Any, value: Callable[[Any], Any]) -> Enum:
+    kind, name = told
+    member: Enum = _class(kind)[name]
+    return member
+
+
 _READ: Final[Mapping[str, Callable[[Any, Callable[[Any], Any]], Any]]] = MappingProxyType(
     {
         "float": lambda told, value: float(told),
@@ -227,8 +220,9 @@ _READ: Final[Mapping[str, Callable[[Any, Callable[[Any], Any]], Any]]] = Mapping
         "set": lambda told, value: {value(item) for item in told},
         "frozenset": lambda told, value: frozenset(value(item) for item in told),
         "rows": _rows,
-        "enum": lambda told, value: _class(told[0])[told[1]],  # type: ignore[index]
+        "enum": _member,
         "complex": lambda told, value: complex(*map(value, told)),
         "function": _function,
+        "not kept": lambda told, value: NotKept(told),
     }
 )

@@ -10,7 +10,8 @@
                         total_levels, sound_energy, rated, drops, modal
     /comparison/CASE    modes by MAC, beside the baseline's
     /VTKHDF             mode shapes of the baseline, opened by ParaView as they are
-    /nouns              all of the above and its problem as one value (JSON), whose arrays are above or in /arrays
+    /nouns              all of the above and its problem as one value (JSON), whose arrays are above or in /arrays;
+                        nouns go by tags ("contact history/1"), never by modules
 
 Behind the last byte of HDF5 stands a checksum of all of them (files.seal), compared before HDF5 opens the file again.
 Every dataset has a unit, a description and a checksum of its own; histories, spectra and modes have named axes, so that
@@ -30,10 +31,11 @@ from femstruct.declared import expect
 from femstruct.errors import Finding
 from femstruct.files.results_file.basis_groups import write_basis, write_damping
 from femstruct.files.results_file.blow_groups import write_blows
-from femstruct.files.results_file.datasets import axis, group, put, put_text
+from femstruct.files.results_file.datasets import axis, group, put, put_text, remembered
 from femstruct.files.results_file.energy_groups import write_energy
 from femstruct.files.results_file.seal import write_sealed
 from femstruct.files.results_file.sound_groups import write_own, write_rated, write_room
+from femstruct.files.results_file.unread import without_unread
 from femstruct.files.results_file.vibration_groups import write_answers
 from femstruct.files.results_file.vtkhdf import write_vtkhdf
 from femstruct.files.results_file.whole import write_whole
@@ -52,7 +54,7 @@ if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
 
 FORMAT: Final = "femstruct results"
-FORMAT_VERSION: Final = 4
+FORMAT_VERSION: Final = 5
 
 
 def write_results(path: str | Path, result: StudyResult) -> None:
@@ -65,7 +67,7 @@ def write_results(path: str | Path, result: StudyResult) -> None:
     Made in memory, `complete = True` last, then written to a temporary name in the same folder, synced and
     renamed. A disk that fills up while HDF5 itself writes leaves its library in a state that crashes the process; the
     price is the size of the file in memory. Modal coordinates are kept only where the study says `save: modal`: they
-    are most of the bytes.
+    are most of the bytes. `without_unread` leaves out what else no reader uses.
 
     >>> from pathlib import Path
     >>> import tempfile
@@ -91,6 +93,12 @@ def write_results(path: str | Path, result: StudyResult) -> None:
 
 
 def _write(file: h5py.File, result: StudyResult) -> None:
+    with remembered() as written:
+        _write_tables(file, result)
+        write_whole(file, without_unread(result), written)
+
+
+def _write_tables(file: h5py.File, result: StudyResult) -> None:
     file.attrs.update(
         Conventions="CF-1.11",  # units and long_name of datasets, axes as coordinates
         format=FORMAT,
@@ -119,7 +127,6 @@ def _write(file: h5py.File, result: StudyResult) -> None:
         _write_comparison(group(comparison, name, "Modes of the baseline found again in this case"), beside)
     baseline = result.cases[result.plan.baseline]
     write_vtkhdf(file, baseline.basis, result.models.get(baseline.basis_key))
-    write_whole(file, result)
 
 
 def _findings(findings: tuple[Finding, ...]) -> str:

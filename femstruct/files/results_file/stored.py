@@ -29,6 +29,7 @@ _UNREADABLE: Final = (
 )
 
 
+OLDEST: Final = 4  # format that is still read
 RESULTS: Final = "results.h5"  # of a run, in its folder
 
 
@@ -48,7 +49,8 @@ def read_results(path: str | Path) -> StudyResult:
     path : a results.h5, or the folder of a run that it is in.
 
     All nouns are there: responses, levels, findings, modes, the meshed model and the plan with its files verbatim. Of a
-    contact law in Python only the name is kept.
+    contact law in Python only the name is kept, and the motion of the modes where the study says ``save: modal``: who
+    asks for it elsewhere is told so. ``docs/results_file.md`` says what else is left out.
 
     Raises InputError for a file that is not there, not of this format, incomplete, or damaged: the whole file is
     compared with the checksum at its end before anything else reads it.
@@ -111,10 +113,10 @@ def _check(path: Path, file: h5py.File) -> None:
         raise InputError(
             str(path), got="an incomplete file", expected="complete = True, written last", do="run the study again"
         )
-    if (version := file.attrs["format_version"]) != FORMAT_VERSION:
+    if not OLDEST <= (version := file.attrs["format_version"]) <= FORMAT_VERSION:
         raise InputError(
             str(path),
             got=f"format version {version}",
-            expected=f"{FORMAT_VERSION}",
+            expected=f"{OLDEST} to {FORMAT_VERSION}",
             do="run the study again" if version < FORMAT_VERSION else "use the version of femstruct that wrote it",
         )

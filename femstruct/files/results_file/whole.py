@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from hashlib import sha256
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -20,12 +21,16 @@ Place = tuple[str, int | None]  # a dataset, and the row of it that is meant, No
 NOUNS: Final = "nouns"
 NO_VARIABLE: Final = "This is a netCDF dimension but not a netCDF variable."  # says netCDF-4 of a bare length
 SAMPLED: Final = 64  # numbers that arrays are told apart by at first sight
-LEAST: Final = 4096  # bytes of an array that is looked for among the tables
+LEAST: Final = 4096  # bytes of a row of a table that may be an array of a noun
 
 
-def write_whole(file: h5py.File, result: object) -> None:
-    """Add the nouns of what was found to its file; of their arrays only those that no table has yet, each once."""
-    put_text(file, NOUNS, json.dumps(stored(result, _shelf(file)), allow_nan=False), "The results as nouns (JSON)")
+def write_whole(file: h5py.File, result: object, written: Mapping[str, Array]) -> None:
+    """Add the nouns of what was found to its file; of their arrays only those that no table has yet, each once.
+
+    written : the large arrays of its tables, by the names of their datasets.
+    """
+    tables = json.dumps(stored(result, _shelf(file, written)), allow_nan=False)
+    put_text(file, NOUNS, tables, "The results as nouns (JSON)")
 
 
 def read_whole(file: h5py.File) -> Any:
@@ -42,10 +47,8 @@ def read_whole(file: h5py.File) -> Any:
     return restored(Stored(*json.loads(file[NOUNS].asstr()[()])), fetch)
 
 
-def _shelf(file: h5py.File) -> Callable[[Array], Place]:
+def _shelf(file: h5py.File, written: Mapping[str, Array]) -> Callable[[Array], Place]:
     """What finds an array among those of a file, or puts it there, and tells where."""
-    import h5py
-
     known: dict[tuple[object, ...], list[tuple[Place, Array]]] = {}
     shelf = group(file, "arrays", "Arrays of the nouns that are in no table")
 
@@ -61,15 +64,11 @@ def _shelf(file: h5py.File) -> Callable[[Array], Place]:
         alike.append(((f"{shelf.name}/{name}", None), array))
         return alike[-1][0]
 
-    def take(name: str, item: object) -> None:
-        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iufcb" and item.nbytes >= LEAST:
-            whole = item[()]
-            known.setdefault(_print(whole), []).append(((f"/{name}", None), whole))
-            if whole.ndim > 1 and whole[0].nbytes >= LEAST:
-                for number, row in enumerate(whole):
-                    known.setdefault(_print(row), []).append(((f"/{name}", number), row))
-
-    file.visititems(take)
+    for name, whole in written.items():
+        known.setdefault(_print(whole), []).append(((name, None), whole))
+        if whole.ndim > 1 and whole[0].nbytes >= LEAST:
+            for number, row in enumerate(whole):
+                known.setdefault(_print(row), []).append(((name, number), row))
     return keep
 
 
@@ -77,8 +76,8 @@ def _of_length(shelf: h5py.Group, length: int) -> str:
     """An axis without a meaning of its own."""
     name = f"of {length}"
     if name not in shelf:
-        shelf.create_dataset(name, (length,), "i1", fletcher32=True).make_scale(NO_VARIABLE)
-        shelf[name].attrs.update(unit="1", description="A length")
+        shelf.create_dataset(name, (length,), "i1").make_scale(NO_VARIABLE)  # takes no room: nothing is written to it
+        shelf[name].attrs.update(unit="1", description="A length", sha256=sha256(bytes(length)).hexdigest())
     return name
 
 

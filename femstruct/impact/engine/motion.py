@@ -14,12 +14,14 @@ from femstruct.arrays import Floats, Integers
 from femstruct.impact.engine.gauss_points import LONGEST_DOUBLINGS, STAGES, Rule
 from femstruct.impact.engine.modal_tables import Tables, flows
 from femstruct.impact.engine.records import System
+from femstruct.tags import stored_as
 
 DISPLACEMENT, VELOCITY = 0, 1
 SAMPLES_AT_ONCE = 1 << 14  # of every coordinate: what is in hand at once stays small
 SAMPLES_OF_OSCILLATORS = 1 << 11  # the same of all oscillators together: 30 MB of 1000
 
 
+@stored_as("motion of coordinates/1")
 class Motion(NamedTuple):
     """States of n coordinates at the starts of steps, and what leads from them to the samples inside the steps.
 

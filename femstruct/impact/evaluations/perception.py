@@ -16,6 +16,7 @@ from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.impact.evaluations.evaluation import Evaluation
 from femstruct.reported import OWN_UNIT, Held, Reported
+from femstruct.tags import stored_as
 
 Complexes = NDArray[np.complex128]
 Weighting = Literal["KB", "Wk", "Wd", "Wm"]
@@ -69,6 +70,7 @@ _CURVES: Final = {
 }
 
 
+@stored_as("perceived vibration/1")
 @dataclass(frozen=True, eq=False)
 class Perceived:
     """How strongly people feel a vibration.
@@ -89,6 +91,7 @@ class Perceived:
     dose: Annotated[float | None, Reported("m/s^1.75", "Vibration dose value", key="vdv", symbol="VDV")]
 
 
+@stored_as("perception request/1")
 @dataclass(frozen=True)
 @checked("perception")
 class PerceptionRequest(Evaluation):

@@ -15,6 +15,7 @@ from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.impact.evaluations.evaluation import Evaluation, Quoted
 from femstruct.reported import Held, Reported
+from femstruct.tags import stored_as
 
 SAMPLES: Final = 10.0
 """Samples a period of an oscillator: with fewer its largest acceleration is taken more than 5 % too low."""
@@ -24,6 +25,7 @@ APART: Final = 0.5  # of the damping ratio: half of that off a resonance an osci
 _AXIS: Final = ("frequency_hz",)
 
 
+@stored_as("shock spectrum/1")
 @dataclass(frozen=True, eq=False)
 class ShockSpectrum:
     """Largest absolute accelerations of oscillators on a moving base, by their natural frequency [Hz].
@@ -57,6 +59,7 @@ class ShockSpectrum:
         return float(self.frequency_hz[self.maximax.argmax()])
 
 
+@stored_as("shock request/1")
 @dataclass(frozen=True)
 @checked("shock_spectra")
 class ShockRequest(Evaluation):

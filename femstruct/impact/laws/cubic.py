@@ -12,6 +12,7 @@ from femstruct.errors import InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative
+from femstruct.tags import stored_as
 
 
 @kernel
@@ -34,6 +35,7 @@ def _beside(system: System, a: int, rest: float, moved: float) -> float:
 CODE: Final = Code(_spring, beside=_beside)
 
 
+@stored_as("cubic contact law/1")
 @dataclass(frozen=True)
 @checked("law")
 class Cubic(Law):

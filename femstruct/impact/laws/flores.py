@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from femstruct.impact.laws.by_restitution import ByRestitution
+from femstruct.tags import stored_as
 
 
+@stored_as("contact law of Flores/1")
 @dataclass(frozen=True)
 class Flores(ByRestitution):
     """f = k d^n (1 + chi d') with chi = 8 (1 - e) / (5 e v): as published, by restitution e and meeting speed v [m/s].

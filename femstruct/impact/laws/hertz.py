@@ -14,6 +14,7 @@ from femstruct.errors import InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
+from femstruct.tags import stored_as
 
 
 @kernel
@@ -45,6 +46,7 @@ def _beside(system: System, a: int, rest: float, moved: float) -> float:
 CODE: Final = Code(_spring, _force, _beside)
 
 
+@stored_as("contact law of Hertz/1")
 @dataclass(frozen=True)
 @checked("law")
 class Hertz(Law):

@@ -13,6 +13,7 @@ from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
 from femstruct.impact.scene.restitution import dissipation_for
+from femstruct.tags import stored_as
 
 
 @kernel
@@ -54,6 +55,7 @@ class PowerLaw(Law):
         return rest
 
 
+@stored_as("contact law of Hunt and Crossley/1")
 @dataclass(frozen=True)
 @checked("law")
 class HuntCrossley(PowerLaw):

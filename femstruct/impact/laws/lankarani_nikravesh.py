@@ -10,8 +10,10 @@ from typing import ClassVar
 from femstruct.errors import Finding
 from femstruct.impact.laws.by_restitution import ByRestitution
 from femstruct.impact.laws.law import MISSED, missed_restitution, misses
+from femstruct.tags import stored_as
 
 
+@stored_as("contact law of Lankarani and Nikravesh/1")
 @dataclass(frozen=True)
 class LankaraniNikravesh(ByRestitution):
     """f = k d^n (1 + chi d') with chi = 3 (1 - e^2) / (4 v): as published, by restitution e and meeting speed v [m/s].

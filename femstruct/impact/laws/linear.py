@@ -16,6 +16,7 @@ from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import Records, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
 from femstruct.impact.scene.restitution import damping_ratio_for, swing
+from femstruct.tags import stored_as
 
 SETTLED: Final = 10.0  # time constants after which e^-10 is left
 _ROUNDING: Final = 1e-9  # of critical damping, as a law made from a restitution of 0 has it
@@ -41,6 +42,7 @@ def _beside(system: System, a: int, rest: float, moved: float) -> float:
 CODE: Final = Code(_spring, _force, _beside)
 
 
+@stored_as("linear contact law/1")
 @dataclass(frozen=True)
 @checked("law")
 class Linear(Law):

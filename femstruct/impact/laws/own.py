@@ -16,6 +16,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.impact.compiled.kernels import call_at, kernel
 from femstruct.impact.engine.records import NUMBERS, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_unless_positive
+from femstruct.tags import stored_as
 
 STEP: Final = 6e-6  # of a depth or a rate, for central differences: the cube root of rounding
 SLOW: Final = 0.1  # m/s: what a rate counts at least
@@ -53,6 +54,7 @@ def _force(system: System, a: int, delta: float, speed: float) -> tuple[float, f
 CODE: Final = Code(_spring, _force)
 
 
+@stored_as("contact law of functions/1")
 @dataclass(frozen=True, eq=False)
 @checked("law")
 class OwnLaw(Law):

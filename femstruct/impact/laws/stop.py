@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from femstruct.impact.laws.linear import Linear
+from femstruct.tags import stored_as
 
 
+@stored_as("contact law of a stop/1")
 @dataclass(frozen=True)
 class Stop(Linear):
     """A bumper on both sides: a linear contact where the ends have moved further than the gap, towards or apart.

@@ -15,6 +15,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.engine.records import NUMBERS, System
 from femstruct.impact.laws.law import Code, Law, Stored, refuse_negative
+from femstruct.tags import stored_as
 
 
 @kernel
@@ -42,6 +43,7 @@ CODE: Final = Code(_spring)
 BEYOND: Final = "beyond-table"
 
 
+@stored_as("tabulated contact law/1")
 @dataclass(frozen=True, eq=False)
 @checked("law")
 class Tabulated(Law):

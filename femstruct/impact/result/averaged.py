@@ -14,6 +14,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.impact.result.response import Response
+from femstruct.tags import stored_as
 
 ROUNDING: Final = 16.0 * float(np.finfo(np.float64).eps)  # of a displacement: less of a second difference is no motion
 _CORRECTIONS: Final = {1: (-1.0 / 6.0, 1.0 / 30.0, -1.0 / 140.0), 2: (-1.0 / 12.0, 1.0 / 90.0, -1.0 / 560.0)}
@@ -61,6 +62,7 @@ def _corrected(values: Floats, order: int) -> Floats:
     return out
 
 
+@stored_as("averaged response/1")
 class Averaged(Response):
     """A response whose velocities and accelerations of points and accelerations of bodies are these means; all else is
     that of the response."""

@@ -10,6 +10,7 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.declared import Positive, checked
 from femstruct.reported import OWN_UNIT, Reported
+from femstruct.tags import stored_as
 
 BINS: Final = 50
 """Ranges that are told apart in tables and pictures; the damage is that of the ranges themselves."""
@@ -24,6 +25,7 @@ ROUNDING: Final = 1e-9  # of bounds, far above that of their sums
 _TURN: Final = np.pi * (3.0 - np.sqrt(5.0))  # the golden angle
 
 
+@stored_as("SN line/1")
 @dataclass(frozen=True)
 @checked("fatigue.sn")
 class SNLine:
@@ -60,6 +62,7 @@ class SNLine:
         return np.where(ranges >= knee, cycles, np.where(ranges >= low, beyond, np.inf))
 
 
+@stored_as("fatigue/1")
 @dataclass(frozen=True, eq=False)
 class Fatigue:
     """Rainflow cycles of a record. channel : what is counted, in `unit`; on : of a stress, the place and the plane.

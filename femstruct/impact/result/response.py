@@ -23,10 +23,12 @@ from femstruct.impact.engine.motion import (
 from femstruct.impact.scene.bodies import Clock, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.reported import Reported
+from femstruct.tags import stored_as
 
 _TIME = ("time",)  # the axis of histories in the results file
 
 
+@stored_as("outcome/1")
 class Outcome(Enum):
     """How a simulation ended; the value is the sentence to show."""
 
@@ -39,6 +41,7 @@ class Outcome(Enum):
     NO_CONTACTS = "There is no contact: a forced or free vibration."
 
 
+@stored_as("contact event/1")
 @dataclass(frozen=True)
 class Event:
     """A contact closed or opened: time [s], contact name, "closes" or "opens".
@@ -51,6 +54,7 @@ class Event:
     what: Annotated[str, Reported("1", "closes or opens")]
 
 
+@stored_as("contact history/1")
 @dataclass(frozen=True, eq=False)
 class ContactHistory:
     """One contact over the window: force [nt] [N], indentation [nt] [m] (negative when open), both at the samples;
@@ -64,6 +68,7 @@ class ContactHistory:
     first_open: Annotated[float | None, Reported("s", "First opening after a closing", "first_open_s")]
 
 
+@stored_as("body history/1")
 @dataclass(frozen=True, eq=False)
 class BodyHistory:
     """One body: displacement [nt] [m], velocity [nt] [m/s], acceleration [nt] [m/s^2] along its axis, at the samples;
@@ -80,6 +85,7 @@ class BodyHistory:
         return float(self.displacement.max() - self.displacement.min())
 
 
+@stored_as("blow/1")
 @dataclass(frozen=True)
 class Blow:
     """One blow of a body that strikes several times; interval [s] : to the next blow of any body, after the last one
@@ -116,6 +122,7 @@ class Blow:
     held_since: float | None
 
 
+@stored_as("energy balance/1")
 @dataclass(frozen=True)
 class EnergyBalance:
     """Energy at one instant t [s], in J: every term integrated or evaluated by itself, none a remainder.
@@ -150,6 +157,7 @@ class EnergyBalance:
         return stored + self.dissipated - self.work - self.blows
 
 
+@stored_as("energy ledger/1")
 @dataclass(frozen=True, eq=False)
 class EnergyLedger:
     """Energies over time, each term by itself [J].
@@ -187,6 +195,7 @@ class EnergyLedger:
         return total
 
 
+@stored_as("response/1")
 @dataclass(frozen=True, eq=False)
 class Response:
     """Motion and forces of a simulated impact; it remembers its problem.

@@ -16,6 +16,7 @@ from femstruct.impact.engine.system import Compiled, compile_scene
 from femstruct.impact.result.dashpots import dashpot_losses
 from femstruct.impact.result.response import EnergyBalance, Response
 from femstruct.modal.basis import ModalBasis
+from femstruct.tags import stored_as
 
 ALONE = 10  # elastic modes that are told one by one
 EXACT = 3e-14  # relative tolerance from a sample to the instant: the least that the integrator takes
@@ -23,6 +24,7 @@ FASTEST = 1e-3  # of the largest speed of the run: what a motion is small agains
 ROUNDED = 1e-15  # of forces that hold each other: what is left of their sum
 
 
+@stored_as("energy group/1")
 @dataclass(frozen=True)
 class EnergyGroup:
     """Energy [J] of some modes of the structure: "rigid", "mode 4" (rigid ones counted), "modes 14 to 29" of an octave,
@@ -34,6 +36,7 @@ class EnergyGroup:
     energy: float
 
 
+@stored_as("mode energies/1")
 @dataclass(frozen=True)
 class ModeEnergies:
     """The structure's term of the ledger by groups of modes, at the separation (None without one) and at the end; and

@@ -12,8 +12,10 @@ from femstruct.errors import InputError
 from femstruct.impact.laws.law import Law
 from femstruct.impact.laws.registry import LAWS
 from femstruct.model.probe import Probe
+from femstruct.tags import stored_as
 
 
+@stored_as("ground/1")
 @dataclass(frozen=True)
 class Ground:
     """An end that does not move."""
@@ -24,6 +26,7 @@ GROUND = Ground()
 End = Probe | str | Ground  # a place of the structure, a body by its name, or the ground
 
 
+@stored_as("body/1")
 @dataclass(frozen=True)
 @checked("bodies")
 class Body:
@@ -49,6 +52,7 @@ class Body:
             raise InputError(f"bodies.{self.name}.mass", got=f"{self.mass:g} kg", expected="a positive mass")
 
 
+@stored_as("contact/1")
 @dataclass(frozen=True, eq=False)
 @checked(
     "contacts",
@@ -90,6 +94,7 @@ class Contact:
             )
 
 
+@stored_as("link/1")
 @dataclass(frozen=True, eq=False)
 @checked("links")
 class Link:
@@ -125,6 +130,7 @@ class Link:
                 raise InputError(f"links.{self.name}.{word}", got=f"{getattr(self, word):g}", expected="a value >= 0")
 
 
+@stored_as("load history by half sines/1")
 @dataclass(frozen=True, eq=False)
 @checked("half sine")
 class HalfSine:
@@ -138,6 +144,7 @@ class HalfSine:
     frequency: Positive
 
 
+@stored_as("load history by table/1")
 @dataclass(frozen=True, eq=False)
 @checked("table")
 class Table:
@@ -157,6 +164,7 @@ class Table:
             raise InputError("load times", got="times that do not increase", expected="two or more increasing times")
 
 
+@stored_as("load/1")
 @dataclass(frozen=True, eq=False)
 @checked("loads")
 class Load:
@@ -186,6 +194,7 @@ class Load:
         _refuse_timing(f"loads.{self.name}", self.first, self.every, self.count)
 
 
+@stored_as("blows of a body/1")
 @dataclass(frozen=True, eq=False)
 @checked("blows")
 class Blows:
@@ -222,6 +231,7 @@ class Blows:
         return np.asarray(found + np.array(self.late or 0.0), dtype=np.float64)
 
 
+@stored_as("scene/1")
 @dataclass(frozen=True, eq=False)
 @checked("scene")
 class Scene:
@@ -250,6 +260,7 @@ class Scene:
             freeze(self, velocity=frozen("scene.velocity", self.velocity, (None,)))
 
 
+@stored_as("clock/1")
 @dataclass(frozen=True)
 @checked("time")
 class Clock:

@@ -12,6 +12,7 @@ from femstruct.conventions import GRAVITY
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.impact.scene.bodies import Table
+from femstruct.tags import stored_as
 
 PACES_HZ: Final = (1.0, 2.8)  # of the coefficients below
 # Design values of CCIP-016 (M. Willford, P. Young, A Design Guide for Footfall Induced Vibration of Structures, 2006):
@@ -35,6 +36,7 @@ def design_harmonics(pace_hz: float) -> tuple[float, ...]:
     return tuple(min(start + slope * h * pace_hz, most) for h, (start, slope, most) in enumerate(_DESIGN, 1))
 
 
+@stored_as("walk/1")
 @dataclass(frozen=True)
 @checked("walk")
 class Walk:

@@ -12,12 +12,14 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.modal.superposition import Complex
 from femstruct.reported import OWN_UNIT, Held, Reported
+from femstruct.tags import stored_as
 
 FEWEST: Final = 10.0  # crossings of zero upwards in a duration: of fewer the largest has no such distribution
 _EULER: Final = 0.5772156649015329
 _LINES: Final = ("frequency_hz",)
 
 
+@stored_as("harmonic answer/1")
 @dataclass(frozen=True, eq=False)
 class HarmonicAnswer:
     """One thing under a harmonic excitation. values [nf] : its complex amplitude, in `unit`; of an equivalent stress,
@@ -40,6 +42,7 @@ class HarmonicAnswer:
         return float(self.frequency_hz[np.abs(self.values).argmax()])
 
 
+@stored_as("random answer/1")
 @dataclass(frozen=True, eq=False)
 class RandomAnswer:
     """One thing under a stationary random excitation of mean zero.
@@ -62,6 +65,7 @@ class RandomAnswer:
     uneven: float = 0.0
 
 
+@stored_as("moved mass/1")
 @dataclass(frozen=True, eq=False)
 class MovedMass:
     """What of a structure the modes of a basis let a base move along one axis.
@@ -85,6 +89,7 @@ class MovedMass:
         return self.moved / self.total if self.total > 0.0 else 0.0
 
 
+@stored_as("answers to a vibration/1")
 @dataclass(frozen=True, eq=False)
 class Vibrated:
     """What came of one excitation. kind : "harmonic", an amplitude, or "psd", a power spectral density of it.

@@ -12,10 +12,12 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
+from femstruct.tags import stored_as
 
 Fraction = Literal[1, 3]
 
 
+@stored_as("band spectrum/1")
 @dataclass(frozen=True)
 @checked("spectrum")
 class BandSpectrum:

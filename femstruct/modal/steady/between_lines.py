@@ -13,6 +13,7 @@ from femstruct.errors import Finding
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady.resonances import natural, resonances
 from femstruct.modal.superposition import Complex
+from femstruct.tags import stored_as
 
 MISSED: Final = 0.05  # of the largest value, by which the lines may be lower
 PLACES: Final = 8  # the highest lines and natural frequencies, around which is looked
@@ -25,6 +26,7 @@ DIGITS: Final = (5.0, 2.0, 1.0)  # of a step that is proposed
 Respond = Callable[[Floats], Complex]
 
 
+@stored_as("largest value between lines/1")
 @dataclass(frozen=True)
 class Highest:
     """The largest value of a response in a band, on its lines or between them.

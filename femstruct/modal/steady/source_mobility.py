@@ -13,6 +13,7 @@ from femstruct.arrays import Floats
 from femstruct.declared import Positive, checked
 from femstruct.errors import InputError
 from femstruct.modal.superposition import Complex
+from femstruct.tags import stored_as
 
 
 class SourceMobility(ABC):
@@ -33,6 +34,7 @@ class SourceMobility(ABC):
         return 0.0, np.inf
 
 
+@stored_as("source mobility of a force/1")
 @dataclass(frozen=True)
 @checked("mobility")
 class ForceSource(SourceMobility):
@@ -46,6 +48,7 @@ class ForceSource(SourceMobility):
         return np.zeros(len(frequency_hz), dtype=np.complex128)
 
 
+@stored_as("source mobility of a rigid mass/1")
 @dataclass(frozen=True)
 @checked("mobility")
 class RigidMass(SourceMobility):
@@ -63,6 +66,7 @@ class RigidMass(SourceMobility):
         return np.asarray(2j * pi * frequency_hz * self.mass, dtype=np.complex128)
 
 
+@stored_as("source mobility by band/1")
 @dataclass(frozen=True)
 @checked("mobility")
 class BandMobility(SourceMobility):
@@ -91,6 +95,7 @@ class BandMobility(SourceMobility):
         return self.values[0][0] / 2**0.5, self.values[-1][0] * 2**0.5
 
 
+@stored_as("measured source mobility/1")
 @dataclass(frozen=True)
 @checked("mobility")
 class MeasuredMobility(SourceMobility):

@@ -9,8 +9,10 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
+from femstruct.tags import stored_as
 
 
+@stored_as("spectrum of an excitation/1")
 @dataclass(frozen=True)
 @checked("spectrum")
 class Spectrum:

@@ -19,12 +19,14 @@ from femstruct.model.fastened import Tie
 from femstruct.model.model import Model
 from femstruct.model.region import Region
 from femstruct.model.rows import sparse_rows
+from femstruct.tags import stored_as
 
 ORDER: Final = 2  # Gauss points a direction of each cell of a region
 UNDETERMINED: Final = 1e-9  # of the largest: a rotation that the places resist by less is about a line they lie on
 _FORCES = np.concatenate([np.eye(3), np.zeros((3, 3))])
 
 
+@stored_as("average of points/1")
 @dataclass(frozen=True)
 @checked("constraints")
 class Average(Constraint):

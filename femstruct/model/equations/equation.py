@@ -17,10 +17,12 @@ from femstruct.model.anchors import place_of
 from femstruct.model.equations.constraint import Constraint
 from femstruct.model.fastened import Tie
 from femstruct.model.model import Model
+from femstruct.tags import stored_as
 
 _BALANCED: Final = 1e-9  # of the largest coefficient: forces that add up to less are rounding
 
 
+@stored_as("equation of points/1")
 @dataclass(frozen=True)
 @checked("constraints")
 class Equation(Constraint):

@@ -17,10 +17,12 @@ from femstruct.model.fastened import Tie
 from femstruct.model.model import Model
 from femstruct.model.region import Region
 from femstruct.model.rows import node_rows
+from femstruct.tags import stored_as
 
 _FORCES = np.concatenate([np.eye(3), np.zeros((3, 3))])
 
 
+@stored_as("rigid link/1")
 @dataclass(frozen=True)
 @checked("constraints")
 class RigidLink(Constraint):

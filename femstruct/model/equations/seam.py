@@ -21,6 +21,7 @@ from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.meshed import Meshed
 from femstruct.model.model import Model
 from femstruct.model.region import Region
+from femstruct.tags import stored_as
 
 _FORCES = np.concatenate([np.eye(3), np.zeros((3, 3))])
 _GAUSS: Final = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)  # exact for the product of two linear functions
@@ -28,6 +29,7 @@ _ONE: Final = 1e-9  # of the length of a seam: nodes closer than this are at one
 APART: Final = 1e-3  # of the length of a seam: nodes farther off its line are not on it
 
 
+@stored_as("seam/1")
 @dataclass(frozen=True)
 @checked("constraints")
 class Seam(Constraint):

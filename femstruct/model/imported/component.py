@@ -14,11 +14,13 @@ from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError
 from femstruct.model.meshed import LossShare
+from femstruct.tags import stored_as
 
 _EXACT = 1e-14  # residual of the least-squares solver: rounding
 _FITS = 1e-9  # of what is wanted: degrees of freedom that miss it by more do not have the motion
 
 
+@stored_as("component of a substructure/1")
 @dataclass(frozen=True, eq=False)
 class Component:
     """Matrices of a structure on its own degrees of freedom, as another program or a reduction gives them.

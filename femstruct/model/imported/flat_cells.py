@@ -15,6 +15,7 @@ from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.region import Region
+from femstruct.tags import stored_as
 
 # Pieces of a quadratic cell, by its nodes; -1 is the middle of a quad8, which has no node there.
 _PIECES: Final = {
@@ -28,6 +29,7 @@ OPPOSITE: Final = float(np.cos(np.radians(160.0)))  # of directions from an edge
 _CENTRE: Final = np.array([-0.25] * 4 + [0.5] * 4)  # shape functions of a quad8 in its middle
 
 
+@stored_as("flat cells/1")
 @dataclass(frozen=True, eq=False)
 class FlatCells:
     """Triangles and quadrilaterals of an imported mesh, with the nodes that they have.

@@ -12,11 +12,13 @@ from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.errors import FemstructError, InputError, some_of
 from femstruct.model.imported.cell_kinds import KINDS
 from femstruct.model.imported.stated.left_out import LeftOut
+from femstruct.tags import stored_as
 
 T = TypeVar("T")
 CONSISTENT: Final[Mapping[float, float]] = {1.0: 1.0, 1e-3: 1e3}  # kg in the unit of mass of files in metres and in mm
 
 
+@stored_as("stated layer/1")
 @dataclass(frozen=True)
 class StatedLayer:
     """A layer of a lay-up that a file states, from the lowest up. thickness [m]. angle : in degrees, or the name of a
@@ -27,6 +29,7 @@ class StatedLayer:
     angle: float | str
 
 
+@stored_as("stated property/1")
 @dataclass(frozen=True)
 class StatedProperty:
     """A property that a file gives a set of cells. thickness [m] : of shells, None where it states none. material : its
@@ -38,6 +41,7 @@ class StatedProperty:
     layers: tuple[StatedLayer, ...] = ()
 
 
+@stored_as("stated material/1")
 @dataclass(frozen=True)
 class StatedMaterial:
     """A material of a file: constants by their names there, in the units of the file."""
@@ -46,6 +50,7 @@ class StatedMaterial:
     constants: Mapping[str, float]
 
 
+@stored_as("stated mass/1")
 @dataclass(frozen=True, eq=False)
 class StatedMass:
     """A mass at a node. node : row of the points. mass : in the units of the file. offset [3] : to its centre [m].
@@ -57,6 +62,7 @@ class StatedMass:
     inertia: tuple[float, ...]
 
 
+@stored_as("stated link/1")
 @dataclass(frozen=True, eq=False)
 class StatedLink:
     """Nodes that follow another as a rigid body does, or one that follows the mean motion of others.
@@ -71,6 +77,7 @@ class StatedLink:
     weights: tuple[float, ...] | None = None
 
 
+@stored_as("stated hold/1")
 @dataclass(frozen=True, eq=False)
 class StatedHold:
     """Nodes that are held. name : of the set of supports that it is of. nodes [n] : rows of the points; held :
@@ -81,6 +88,7 @@ class StatedHold:
     held: tuple[int, ...]
 
 
+@stored_as("stated spread/1")
 @dataclass(frozen=True, eq=False)
 class StatedSpread:
     """Mass on cells of a shell that does not stiffen them: per "area" or "volume" of them or in "total". what : as the
@@ -92,6 +100,7 @@ class StatedSpread:
     per: Literal["area", "volume", "total"]
 
 
+@stored_as("stated by a mesh file/1")
 @dataclass(frozen=True, eq=False)
 class Stated:
     """What a file states beside its mesh. left_out : what of it is not made, the most harmful first.
@@ -112,6 +121,7 @@ class Stated:
     spread: tuple[StatedSpread, ...] = ()
 
 
+@stored_as("imported mesh/1")
 @dataclass(frozen=True, eq=False)
 class ImportedMesh:
     """A mesh from a file, in metres.

@@ -19,6 +19,7 @@ from femstruct.model.imported.flat_cells import FlatCells, flat_cells, pieces
 from femstruct.model.imported.imported_mesh import ImportedMesh
 from femstruct.model.imported.surface_turns import best_turns
 from femstruct.model.region import Region
+from femstruct.tags import stored_as
 
 # Linear pieces of a face by its nodes: corners, then middles of its sides, then its own middle.
 _PIECES: Final = {
@@ -32,6 +33,7 @@ _FACES: Final = {3: "tri3", 6: "tri6", 4: "quad4", 8: "quad8", 9: "quad9"}
 SHOWN: Final = 3  # cells that are named
 
 
+@stored_as("solid cells/1")
 @dataclass(frozen=True, eq=False)
 class SolidCells:
     """Tetrahedra and hexahedra of an imported mesh, with the nodes that they have.

@@ -7,8 +7,10 @@ from typing import Literal
 
 from femstruct.declared import NotNegative, Positive, checked
 from femstruct.errors import InputError
+from femstruct.tags import stored_as
 
 
+@stored_as("fill of a cavity/1")
 @dataclass(frozen=True)
 @checked("cavities")
 class Fill:
@@ -31,6 +33,7 @@ class Fill:
     like: str = ""
 
 
+@stored_as("bays of a cavity/1")
 @dataclass(frozen=True)
 @checked("cavities")
 class Bays:
@@ -48,6 +51,7 @@ class Bays:
     width: NotNegative = 0.0
 
 
+@stored_as("cavity between parts/1")
 @dataclass(frozen=True)
 @checked("cavities")
 class AirBetween:

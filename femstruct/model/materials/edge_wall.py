@@ -10,10 +10,12 @@ from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.material import Material
 from femstruct.model.materials.loss_by_frequency import loss_at
+from femstruct.tags import stored_as
 
 WALLS_AT: Final = 100.0  # Hz: frequency at which a model holds their stiffness; it grows with the square root
 
 
+@stored_as("wall at an edge/1")
 @dataclass(frozen=True)
 @checked("supports")
 class EdgeWall:

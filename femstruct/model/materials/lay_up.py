@@ -17,10 +17,12 @@ from femstruct.model.material import Material
 from femstruct.model.materials.loss_by_frequency import Loss, check_loss, weighted
 from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
 from femstruct.model.materials.plate_section import PlateSection, SectionShare
+from femstruct.tags import stored_as
 
 SHEAR_FACTOR = 5.0 / 6.0  # of a homogeneous plate: a parabola of shear stress
 
 
+@stored_as("layer/1")
 @dataclass(frozen=True)
 @checked("layers")
 class Layer:
@@ -39,6 +41,7 @@ class Layer:
             raise InputError("layers.thickness", got=f"{self.thickness:g} m", expected="a positive length")
 
 
+@stored_as("laminate/1")
 @dataclass(frozen=True)
 @checked("laminate")
 class Laminate:
@@ -161,6 +164,7 @@ class Laminate:
         return laminate.turned(stiff, angles), laminate.turned_shear(soft, angles), z
 
 
+@stored_as("smeared layers/1")
 @dataclass(frozen=True)
 @checked("smeared")
 class Smeared:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
+from femstruct.tags import stored_as
 
 LABORATORY: Final = "laboratory"
 MEASURED: Final = "measured"
@@ -23,6 +24,7 @@ DECAY = 2.2  # 6 ln 10 / 2 pi = 2.199, as the standards have it
 MOST_LOSSES = 1.5  # of rubbers at their glass transition; a few reach 2 in a narrow band, which one number is not
 
 
+@stored_as("loss factor by frequency/1")
 @dataclass(frozen=True)
 @checked("loss_factor")
 class LossByFrequency:

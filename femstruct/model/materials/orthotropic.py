@@ -10,8 +10,10 @@ from femstruct.elements import elasticity
 from femstruct.errors import InputError
 from femstruct.model.material import Material
 from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.tags import stored_as
 
 
+@stored_as("orthotropic material/1")
 @dataclass(frozen=True)
 @checked("materials")
 class Orthotropic:

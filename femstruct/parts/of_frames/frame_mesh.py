@@ -26,6 +26,7 @@ from femstruct.model.rows import carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.of_frames import loaded_bar
 from femstruct.parts.of_frames.frame_lines import frame_segments
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:
     from femstruct.parts.frame import Frame
@@ -35,6 +36,7 @@ BETWEEN = (0.0, 0.25, 0.5, 0.75, 1.0)
 missed by p L^2 / 128 at most; a simply supported bar has p L^2 / 8, in its middle."""
 
 
+@stored_as("frame mesh/1")
 @dataclass(frozen=True, eq=False)
 class FrameMesh(Meshed):
     """A frame as bars.

@@ -37,6 +37,7 @@ from femstruct.parts.of_meshes.cells_mesh import CellsMesh, Words
 from femstruct.parts.of_meshes.shell_properties import spread_mass
 from femstruct.parts.of_meshes.shell_sides import mean_normal
 from femstruct.parts.of_meshes.stresses_on_faces import stresses_on_faces
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:
     from femstruct.parts.shell import Shell
@@ -45,6 +46,7 @@ BENT: Final = 0.7  # cosine of 45 degrees, about: edges that meet at less are on
 FLAT: Final = 1e-9  # largest difference of the normals of the cells of a flat shell
 
 
+@stored_as("shell mesh/1")
 @dataclass(frozen=True, eq=False)
 class ShellMesh(CellsMesh):
     """A shell on its cells.
@@ -231,6 +233,7 @@ class ShellMesh(CellsMesh):
         return stresses_on_faces(self.part, self.cells, self.thickness, self.sections, (self.first, n_nodes))
 
 
+@stored_as("flat mesh/1")
 @dataclass(frozen=True, eq=False)
 class FlatMesh(ShellMesh):
     """A shell that is flat, at least where something is joined to it. axes [3, 3] : rows are its x, y and normal."""

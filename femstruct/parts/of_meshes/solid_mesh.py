@@ -26,6 +26,7 @@ from femstruct.model.rows import flat_rows, mean_of_cells, sparse_rows
 from femstruct.model.structure import SurfaceOn
 from femstruct.parts.of_meshes.cell_surfaces import surface_at
 from femstruct.parts.of_meshes.cells_mesh import CLOSED, ORDER, CellsMesh, Words
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:
     from femstruct.parts.solid import Solid
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 OFF: Final = 1e-3  # of the largest side of the box round it: a place may be so far off a facet that is curved
 
 
+@stored_as("solid mesh/1")
 @dataclass(frozen=True, eq=False)
 class SolidMesh(CellsMesh):
     """A solid on its cells. first : number of its first node. cells : with nodes counted from 0 on."""

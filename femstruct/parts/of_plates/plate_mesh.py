@@ -29,6 +29,7 @@ from femstruct.parts.of_plates.patches import patch_points, patch_turning
 from femstruct.parts.of_plates.plate_edges import STEEP, edge_components, edge_gauss, edge_nodes
 from femstruct.parts.of_plates.plate_motion import STRETCHING, plate_dofs, plate_rows, stretching_dofs
 from femstruct.parts.of_plates.plate_stresses import face_rows
+from femstruct.tags import stored_as
 
 if TYPE_CHECKING:
     from femstruct.parts.plate import Plate
@@ -40,6 +41,7 @@ with a linear weight; the deflection of a cell is cubic."""
 ROUND = ((0, 2), (1, 2), (1, 3), (0, 3))  # ends of a box along x and y, corner by corner
 
 
+@stored_as("plate mesh/1")
 @dataclass(frozen=True, eq=False)
 class PlateMesh(Meshed):
     """A plate on its grid.

@@ -12,11 +12,13 @@ from femstruct.arrays import Floats, freeze, frozen_with_gaps
 from femstruct.study.campaign.pareto import knee, nondominated, share
 from femstruct.study.campaign.sought import LATE, NOT_AT_REST, SAME, Search
 from femstruct.study.campaign.swept import Flags, Swept
+from femstruct.tags import stored_as
 
 GAIN: Final = 0.01  # of the hypervolume, in the last fifth of the designs: below it more runs change a front little
 End = Literal["", "lower", "upper"]
 
 
+@stored_as("front of designs/1")
 @dataclass(frozen=True, eq=False)
 class Front:
     """The best designs of a search with g goals and m limits, of n that were tried.

@@ -13,6 +13,7 @@ from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.study.campaign.swept import UNROUNDED, Flags, Swept
 from femstruct.study.campaign.varied import Listed, Scattered
+from femstruct.tags import stored_as
 
 FEWEST_RUNS: Final = 20
 SAME: Final = 1e-9  # of a goal: differences below are rounding
@@ -26,6 +27,7 @@ MOST_GOALS: Final = 3  # of four and more NSGA-II finds nearly all designs to be
 Sense = Literal["minimise", "maximise"]
 
 
+@stored_as("goal of a search/1")
 @dataclass(frozen=True)
 @checked("optimise")
 class Goal:
@@ -44,6 +46,7 @@ class Goal:
         return 1.0 if self.sense == "minimise" else -1.0
 
 
+@stored_as("search/1")
 @dataclass(frozen=True)
 @checked("optimise")
 class Search:
@@ -127,6 +130,7 @@ class Search:
         return self.scatter if self.over else 1
 
 
+@stored_as("chosen value/1")
 @dataclass(frozen=True)
 class Chosen:
     """What an optimisation found for one path. text : as a file writes it. number : in SI units, nan for words. at :
@@ -141,6 +145,7 @@ class Chosen:
     change: float
 
 
+@stored_as("reference of a search/1")
 @dataclass(frozen=True, eq=False)
 class Reference:
     """A case as its file has it, beside the best design, with the same samples of what scatters.
@@ -162,6 +167,7 @@ class Reference:
         freeze(self, less=frozen_with_gaps("less", self.less, (None,)))
 
 
+@stored_as("optimum/1")
 @dataclass(frozen=True, eq=False)
 class Found:
     """The best design of an optimisation.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from femstruct.arrays import Floats, freeze, frozen_with_gaps
 from femstruct.errors import InputError
 from femstruct.study.campaign.varied import INDICES
+from femstruct.tags import stored_as
 
 UNROUNDED: Final = " before rounding"  # ends the name of a number of which the standard states a rounded one
 MET, EXCEEDED, UNKNOWN = 1.0, 0.0, -1.0  # verdicts as numbers of a row
@@ -19,6 +20,7 @@ _LIMITS: Final = "limits / "  # begins the names of limits and verdicts, which a
 Flags = NDArray[np.bool_]
 
 
+@stored_as("rows of a campaign/1")
 @dataclass(frozen=True, eq=False)
 class Swept:
     """Rows of n samples and c cases, with k numbers each, in SI units and dB.

@@ -7,11 +7,13 @@ from typing import Final, Literal
 
 from femstruct.declared import checked
 from femstruct.errors import InputError
+from femstruct.tags import stored_as
 
 MOST_SAMPLES: Final = 100_000
 INDICES: Final = "sobol indices"
 
 
+@stored_as("listed values/1")
 @dataclass(frozen=True)
 @checked("vary")
 class Listed:
@@ -38,6 +40,7 @@ class Listed:
             )
 
 
+@stored_as("scattered values/1")
 @dataclass(frozen=True)
 @checked("vary")
 class Scattered:

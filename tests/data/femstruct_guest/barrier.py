@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 
 from femstruct.impact.compiled.kernels import kernel
 from femstruct.impact.laws.law import Code, Law, Stored
+from femstruct.tags import stored_as
 
 
 @kernel
@@ -21,6 +22,7 @@ def _spring(system, a, delta):
 CODE = Code(_spring)
 
 
+@stored_as("femstruct_guest: barrier/1")
 @dataclass(frozen=True)
 class Barrier(Law):
     """f = k d (1 + (d / depth)^4) (1 + chi d'); k [N/m], depth [m], chi [s/m]."""

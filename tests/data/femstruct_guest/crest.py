@@ -11,8 +11,10 @@ from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.impact.evaluations.evaluation import Evaluation
 from femstruct.reported import Held, Reported
+from femstruct.tags import stored_as
 
 
+@stored_as("femstruct_guest: crest factor/1")
 @dataclass(frozen=True)
 class Crest:
     """Crest factor of a history."""
@@ -22,6 +24,7 @@ class Crest:
     factor: Annotated[float, Reported("1", "Peak over the root mean square", symbol="crest factor")]
 
 
+@stored_as("femstruct_guest: crest factor request/1")
 @dataclass(frozen=True)
 @checked("crest_factors")
 class CrestRequest(Evaluation):

@@ -13,8 +13,10 @@ from femstruct.model.material import Material
 from femstruct.model.meshed import Drawn, Meshed, nodal_dofs
 from femstruct.model.part import Part
 from femstruct.model.probe import Point
+from femstruct.tags import stored_as
 
 
+@stored_as("femstruct_guest: strut/1")
 @dataclass(frozen=True)
 class Strut(Part):
     """A bar from a start to an end [m], of an area [m^2]; both ends are hinges."""
@@ -35,6 +37,7 @@ class Strut(Part):
         return StrutMesh(self, first)
 
 
+@stored_as("femstruct_guest: strut mesh/1")
 @dataclass(frozen=True, eq=False)
 class StrutMesh(Meshed):
     """A strut as one element: K = E A / L along it, M = rho A L / 6 [[2, 1], [1, 2]] in all directions."""

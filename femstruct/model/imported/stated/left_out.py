@@ -14,8 +14,10 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Integers
+from femstruct.tags import stored_as
 
 
+@stored_as("what an unread entry makes/1")
 class Makes(Enum):
     """What something of a file would make in a model; the most harmful first."""
 
@@ -42,6 +44,7 @@ HARMLESS: Final = (Makes.SLIGHT, Makes.NOTHING)
 _ORDER: Final = list(Makes)
 
 
+@stored_as("unread entry of a mesh file/1")
 @dataclass(frozen=True, eq=False)
 class LeftOut:
     """Something that a file states and no reader makes.
