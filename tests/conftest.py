@@ -11,20 +11,25 @@ import signal
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # as the command line has it; two processes of two threads wait for each other
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from hypothesis import HealthCheck, settings
+from jsonschema import Draft202012Validator
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
 from femstruct.elements import plate
 from femstruct.impact.compiled.workers import code_of
 from femstruct.impact.engine.needed_units import ALL
+
+if TYPE_CHECKING:
+    from femstruct.study.result import StudyResult
 
 # A clock in a test says how busy the machine is, not whether the code is right.
 settings.register_profile("femstruct", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -50,6 +55,25 @@ def pytest_configure(config: pytest.Config) -> None:
         for package in ("femstruct", "acoustics"):
             compileall.compile_dir(Path(__file__).parents[1] / package, quiet=2)
         code_of(ALL)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def summaries_fit_their_schema() -> Iterator[None]:
+    """What any test writes to a results file has a summary that fits the published schema."""
+    from femstruct.files.results_file import results
+    from femstruct.files.tables.summary_schema import summary_schema
+
+    fits, summary = Draft202012Validator(summary_schema()), results.summary
+
+    def fitting(result: StudyResult) -> dict[str, Any]:
+        told = summary(result)
+        mistakes = [f"{'/'.join(map(str, one.absolute_path))}: {one.message[:300]}" for one in fits.iter_errors(told)]
+        assert not mistakes, f"femstruct schema summary: {mistakes[:10]}"
+        return told
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(results, "summary", fitting)
+        yield
 
 
 @dataclass(frozen=True)

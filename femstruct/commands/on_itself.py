@@ -10,7 +10,7 @@ from femstruct.commands.shared import AsJson, command
 from femstruct.commands.study_answers import print_json, progress
 from femstruct.exits import GOOD
 
-Kind = Literal["model", "study"]
+Kind = Literal["model", "study", "summary"]
 
 
 @command
@@ -46,9 +46,14 @@ def explain(
 
 @command
 def schema(
-    kind: Annotated[Kind, typer.Argument(metavar="model|study", help="kind of file")] = "model",
+    kind: Annotated[Kind, typer.Argument(metavar="model|study|summary", help="kind of file")] = "model",
 ) -> int:
-    """Print the JSON schema of a file. For editors, of a model or a study file."""
+    """Print the JSON schema of a file. For editors, of a model or a study file; for programs, of summary.json."""
+    if kind == "summary":
+        from femstruct.files.tables.summary_schema import summary_schema
+
+        print_json(summary_schema())
+        return GOOD
     from femstruct.language import json_schema
 
     print_json(json_schema(kind))

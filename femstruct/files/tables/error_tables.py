@@ -13,7 +13,7 @@ if TYPE_CHECKING:  # slow to import, and most runs write no such file
     import h5py
 
 Table = dict[str, Any]
-_KINDS: Final = (
+KINDS: Final = (
     ("first_peak_force", "first_peak", "contact", "N", "Peak force before any contact closes again"),
     ("peak_force", "peak", "contact", "N", "Peak force of the whole window"),
     ("end_velocity", "velocity", "body", "m/s", "Velocity at the end of the window"),
@@ -27,7 +27,7 @@ def error_table(found: ErrorEstimate) -> Table:
         | described(found)
         | {
             name: {of: described(one) | {"unit": unit} for of, one in getattr(found, field).items()}
-            for name, field, _, unit, _ in _KINDS
+            for name, field, _, unit, _ in KINDS
         }
     )
 
@@ -35,7 +35,7 @@ def error_table(found: ErrorEstimate) -> Table:
 def write_errors(target: h5py.Group, found: ErrorEstimate) -> None:
     """The errors in the results file, a group for each kind of number in its unit; an exact march has no tolerances."""
     write_described(target, found)
-    for name, field, of, unit, description in _KINDS:
+    for name, field, of, unit, description in KINDS:
         numbers: Mapping[str, Resolved] = getattr(found, field)
         if numbers:
             made = group(target, name, description)
