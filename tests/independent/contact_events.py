@@ -121,7 +121,7 @@ class Touch:
 @dataclass(frozen=True)
 class Spring:
     """A spring and dashpot of an upper and a lower end; the dashpot may differ while the ends approach (closing).
-    push : a constant force that drives the ends apart. since : when it begins to act."""
+    push : a constant force that drives the ends apart. since : when it begins to act, with no force but the push."""
 
     upper: str | None
     lower: str | None
@@ -129,6 +129,16 @@ class Spring:
     closing: float = 0.0
     opening: float = 0.0
     push: float = 0.0
+    since: float = 0.0
+
+
+@dataclass(frozen=True)
+class Push:
+    """Any force on an end, smooth but at its edges; positive upwards."""
+
+    on: str
+    force: Callable[[float], float]
+    edges: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -143,11 +153,13 @@ class Pulse:
 
 @dataclass(frozen=True)
 class Again:
-    """A body that is lifted off and given its starting state again at these times, over an end."""
+    """A body that is lifted off and given its starting state again at these times, over an end. late : it rests before
+    the first of them."""
 
     body: str
     over: str | None
     times: tuple[float, ...]
+    late: bool = False
 
 
 @dataclass(frozen=True)
@@ -170,6 +182,7 @@ class Chain:
     modal: Sequence[float] = ()
     places: dict[str, float] = field(default_factory=dict)
     again: Sequence[Again] = ()
+    pushes: Sequence[Push] = ()
 
     @property
     def size(self) -> int:
@@ -287,6 +300,8 @@ class _Run:
         self.rows = [chain.row(one.lower) - chain.row(one.upper) for one in chain.touches]
         self.rests = [one.law.rest(one.preload) for one in chain.touches]
         self.spans = [chain.row(one.upper) - chain.row(one.lower) for one in chain.springs]
+        self.unstretched = [0.0] * len(self.spans)
+        self.acting = [not one.since for one in chain.springs]
         self.constant = sum((force * chain.row(name) for name, force in chain.weights.items()), np.zeros(chain.size))
 
     def depth(self, number: int, y: Floats) -> float:
@@ -304,9 +319,12 @@ class _Run:
             felt = touch.law.force(self.depth(number, y), self.rate(number, y), pieces[number]) if on[number] else 0.0
             if felt or touch.preload:
                 pushed = pushed - self.rows[number] * (felt - touch.preload)
-        for span, spring, shut in zip(self.spans, self.chain.springs, closing, strict=True):
-            held = spring.k * (span @ z) + (spring.closing if shut else spring.opening) * (span @ v) - spring.push
-            pushed = pushed - span * held
+        for number, (span, spring, shut) in enumerate(zip(self.spans, self.chain.springs, closing, strict=True)):
+            if self.acting[number]:
+                held = spring.k * (span @ z - self.unstretched[number]) - spring.push
+                pushed = pushed - span * (held + (spring.closing if shut else spring.opening) * (span @ v))
+        for push in self.chain.pushes:
+            pushed = pushed + self.chain.row(push.on) * push.force(t)
         for pulse in self.chain.pulses:
             if 0.0 <= t - pulse.first <= 0.5 / pulse.frequency:
                 pushed = pushed + self.chain.row(pulse.on) * pulse.amplitude * np.sin(
@@ -351,13 +369,14 @@ class _Run:
 
     def until(self, duration: float) -> Path:
         chain = self.chain
-        speeds = np.concatenate(
-            [chain.modal or np.zeros(len(chain.omega)), [chain.start.get(name, 0.0) for name in chain.bodies]]
-        )
+        late = {one.body for one in chain.again if one.late}
+        first = [0.0 if name in late else chain.start.get(name, 0.0) for name in chain.bodies]
+        speeds = np.concatenate([chain.modal or np.zeros(len(chain.omega)), first])
         at = [chain.places.get(name, 0.0) for name in chain.bodies]
         y = np.concatenate([np.zeros(len(chain.omega)), at, speeds])
         on, inside, pieces, closing = self.state(y)
         edges = {one.first for one in chain.pulses} | {one.first + 0.5 / one.frequency for one in chain.pulses}
+        edges |= {one.since for one in chain.springs if one.since} | {t for one in chain.pushes for t in one.edges}
         edges = sorted(edges | {time for one in chain.again for time in one.times})
         segments: list[Any] = []
         t = 0.0
@@ -365,6 +384,9 @@ class _Run:
         while t < duration:
             end = next((edge for edge in edges if edge > t * (1 + 1e-14)), duration)
             end = min(end, duration)
+            for number, spring in enumerate(chain.springs):
+                if not self.acting[number] and t >= spring.since:
+                    self.acting[number], self.unstretched[number] = True, float(self.spans[number] @ y[: chain.size])
             watched = self.events(on, inside, pieces, closing)
             functions = []
             for function, direction, _ in watched:

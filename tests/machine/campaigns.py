@@ -9,16 +9,8 @@ from typing import Any
 import numpy as np
 
 from tests.machine.framework import Case, Door, Floats, Model, capability
-from tests.machine.impacts import (
-    LAWS,
-    clear,
-    expected_of_given_modes,
-    numbers_right,
-    oscillator,
-    path_of,
-    scene,
-    times_of,
-)
+from tests.machine.impacts import clear, expected_of_given_modes, numbers_right, oscillator, path_of, scene, times_of
+from tests.machine.laws import LAWS
 
 _WHY = "both integrate to 1e-9 and better; peaks of motions between samples 1/200 of the window apart"
 

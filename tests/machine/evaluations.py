@@ -11,7 +11,8 @@ import numpy as np
 from tests.independent import contact_events as ev
 from tests.independent import vibration as vb
 from tests.machine.framework import Case, Door, Floats, Model, capability
-from tests.machine.impacts import LAWS, answered, base_of, between, chain_of, given_modes, modes_of, oscillator, scene
+from tests.machine.impacts import answered, base_of, chain_of, given_modes, modes_of, oscillator, scene
+from tests.machine.laws import LAWS, between
 
 _CURVES: Final = {"Wk": vb.w_k, "Wd": vb.w_d, "Wm": vb.w_m}
 _KNOBS = ("structure",)

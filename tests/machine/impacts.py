@@ -8,123 +8,20 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Mapping
-from math import acos, acosh, log, pi, sqrt
+from math import pi, sqrt
 from typing import Any, Final
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
 from tests.independent import contact_events as ev
+from tests.independent import rods
 from tests.machine.framework import Case, Door, Floats, Model, capability
+from tests.machine.laws import LAWS, between, draw_law, law_of, rounded
 
 G: Final = 9.80665
-LAWS: Final = ("linear", "hertz", "hunt-crossley", "cubic", "flores", "lankarani-nikravesh", "table", "smooth table")
+SIDES: Final = ("above", "below", "before", "after")
 _KNOBS = ("study.bodies", "study.contacts", "study.links", "study.loads", "structure")
 _WHY = "both integrate to 1e-9 and better; draws whose answer hangs on rounding are drawn again"
-
-
-def between(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number of six digits, evenly along its logarithm."""
-    return rounded(float(np.exp(rng.uniform(log(low), log(high)))))
-
-
-def rounded(x: float) -> float:
-    """Six digits."""
-    return float(f"{x:.6g}")
-
-
-# ---- laws
-
-
-def swing(z: float) -> float:
-    """omega t / 2 of a linear contact with a damping ratio z, until it no longer pushes."""
-    if z == 1.0:
-        return 1.0
-    return acos(z) / sqrt(1 - z * z) if z < 1.0 else acosh(z) / sqrt(z * z - 1)
-
-
-def ratio_of(e: float, tensile: bool) -> float:
-    """Damping ratio with which a linear contact gives a restitution: until its length is back, or while it pushes."""
-    loss = -log(e)
-    if tensile:
-        return loss / sqrt(pi**2 + loss**2)
-    return float(brentq(lambda z: 2 * z * swing(z) - loss, 0, 1 / e + 1, xtol=1e-15))
-
-
-def law_of(spec: Mapping[str, Any], mass: float, speed: float) -> ev.Law:
-    """A law as its YAML states it. mass : what a restitution and a duration count; speed : of the first meeting."""
-    kind, tensile, e = spec["type"], bool(spec.get("tensile")), spec.get("restitution")
-    k, n = spec.get("stiffness", 0.0), spec.get("exponent", 1.5)
-    speed = spec.get("at_speed", speed)
-    if kind == "linear":
-        if e is None:
-            return ev.linear(k, spec.get("damping", 0.0), tensile)
-        z = ratio_of(e, tensile)
-        if "duration" in spec:
-            angle = sqrt(pi**2 + log(e) ** 2) if tensile else 2 * swing(z)
-            k = mass * (angle / spec["duration"]) ** 2
-        return ev.linear(k, 2 * z * sqrt(k * mass), tensile)
-    if kind == "hertz":
-        if "radius" in spec:
-            soft = sum((1 - nu**2) / E for E, nu in zip(spec["E"], spec["nu"], strict=True))
-            k = 4 / 3 / soft * sqrt(spec["radius"])
-        return ev.hertz(k, spec.get("damping", 0.0), tensile)
-    if kind == "flores":
-        return ev.power(k, n, 1.6 * (1 - e) / (e * speed), tensile)  # Machado et al. 2012, eq. 8/5 (1 - e) / e
-    if kind == "lankarani-nikravesh":
-        return ev.power(k, n, 0.75 * (1 - e * e) / speed, tensile)
-    chi = spec.get("dissipation", 0.0) if e is None else ev.chi_of_restitution(e, speed)
-    if kind == "hunt-crossley":
-        return ev.power(k, n, chi, tensile)
-    if kind == "cubic":
-        return ev.cubic(k, spec["cubic"], chi, tensile)
-    depths, forces = np.array(spec["curve"], dtype=float).T
-    if not spec.get("smooth"):
-        return ev.table(depths, forces, chi, tensile)
-    spring = PchipInterpolator(depths, forces)
-    end, slope = float(depths[-1]), float(spring.derivative()(depths[-1]))
-
-    def force(d: float, piece: int) -> float:
-        return float(forces[-1]) + slope * (d - end) if piece == len(depths) - 1 else float(spring(d))
-
-    return ev.factored(force, chi, tensile, depths[1:].tolist())
-
-
-def draw_law(rng: np.random.Generator, mass: float, speed: float, time: float, kind: str, e: bool = True) -> Any:
-    """YAML of a law whose contact lasts about so long. e : it may state a restitution."""
-    k = rounded(mass * (pi / time) ** 2)
-    depth = speed * time / pi
-    t = {"tensile": True} if rng.random() < 0.2 else {}
-    way, back = int(rng.integers(3 if e else 2)), rounded(float(rng.uniform(0.15, 0.95)))
-    if kind == "linear":
-        damping = rounded(float(rng.uniform(0.05, 1.2)) * 2 * sqrt(k * mass))
-        ways = [{"stiffness": k}, {"stiffness": k, "damping": damping}, {"stiffness": k, "restitution": back}]
-        if way == 2 and rng.random() < 0.5:
-            return {"type": kind, "duration": rounded(time), "restitution": back, **t}
-        return {"type": kind, **ways[way], **t}
-    if kind == "hertz":
-        if way == 0 and rng.random() < 0.4:
-            moduli = [between(rng, 1e9, 2e11), between(rng, 1e9, 2e11)]
-            nu = [rounded(float(rng.uniform(0, 0.45))) for _ in moduli]
-            return {"type": kind, "radius": between(rng, 0.005, 0.5), "E": moduli, "nu": nu}
-        damping = {"damping": rounded(float(rng.uniform(0.05, 0.8)) * sqrt(k * mass / depth))} if way else {}
-        return {"type": kind, "stiffness": rounded(k / sqrt(depth)), **damping, **t}
-    n = rounded(float(rng.uniform(1.0, 3.0))) if rng.random() < 0.5 else 1.5
-    meets = {"at_speed": rounded(speed * float(rng.uniform(0.5, 2)))} if not e or rng.random() < 0.5 else {}
-    lost: dict[str, Any] = [{}, {"dissipation": rounded(float(rng.uniform(0.05, 2.0)) / speed)}, {}][way]
-    if way == 2:
-        lost = {"restitution": back, **meets}
-    if kind in ("hunt-crossley", "flores", "lankarani-nikravesh"):
-        own = lost if kind == "hunt-crossley" else {"restitution": back, **meets}
-        return {"type": kind, "stiffness": rounded(k / depth ** (n - 1)), "exponent": n, **own, **t}
-    if kind == "cubic":
-        part = rounded(k * float(rng.uniform(0, 1)))
-        return {"type": kind, "stiffness": part, "cubic": rounded((k - part / 2) / depth**2), **lost, **t}
-    depths = np.concatenate([[0.0], np.cumsum(rng.uniform(0.2, 1.0, 4))]) * depth
-    forces = np.concatenate([[0.0], np.cumsum(k * rng.uniform(0.3, 2.0, 4) * np.diff(depths))])
-    curve = [[rounded(d), rounded(f)] for d, f in zip(depths, forces, strict=True)]
-    return {"type": "table", "curve": curve, **({"smooth": True} if kind == "smooth table" else {}), **lost, **t}
 
 
 # ---- a study read again
@@ -138,20 +35,45 @@ def modes_of(structure: Mapping[str, Any]) -> tuple[list[float], list[float], di
     if what["type"] == "oscillator":
         omega = 2 * pi * what["frequency"] if "frequency" in what else sqrt(what["stiffness"] / what["mass"])
         return [omega], [structure["damping"]["ratio"]], {"m": [1 / sqrt(what["mass"])]}
-    shapes = {name: list(one["shape"]) for name, one in what["points"].items()}
+    if what["type"] in ("rod", "beam"):
+        at = {name: one["at"] for name, one in structure["points"].items()}
+        known = {name: value for name, value in what.items() if name != "type"}
+        found = rods.rod(**known, at=at) if what["type"] == "rod" else rods.beam(**known, at=at)
+        return found[0], [structure["damping"]["ratio"]] * len(found[0]), found[1]
+    shapes = {name: one["shape"] if isinstance(one, Mapping) else one for name, one in what["points"].items()}
     return [2 * pi * f for f in what["frequency"]], list(what["ratio"]), shapes
+
+
+def walked(on: str, spec: Mapping[str, Any], first: float) -> ev.Push:
+    """Steps at a place: m g (1 + sum a sin(2 pi h f t)), rising over the first and falling over the last as half a
+    cosine."""
+    end = spec["steps"] / spec["pace"]
+
+    def force(t: float) -> float:
+        steps = spec["pace"] * (t - first)
+        if not 0.0 <= t - first <= end:
+            return 0.0
+        waves = sum(a * np.sin(2 * pi * h * steps) for h, a in enumerate(spec["harmonics"], 1))
+        held = min(steps, spec["steps"] - steps, 1.0)
+        return float(-spec["mass"] * G * (1 + waves) * (1 - np.cos(pi * held)) / 2)
+
+    return ev.Push(on, force, (first, first + 1 / spec["pace"], first + end - 1 / spec["pace"], first + end))
 
 
 def chain_of(model: Model) -> ev.Chain:
     """The mechanics of a case's study on its structure."""
     study = model["study"]
     omega, ratio, shapes = modes_of(model["structure"])
+    kept = study.get("modes", {}).get("count", len(omega))
+    omega, ratio, shapes = omega[:kept], ratio[:kept], {name: list(one[:kept]) for name, one in shapes.items()}
     bodies = study.get("bodies", {})
     masses = {name: one["mass"] for name, one in bodies.items()}
     heavy = bool(study["time"].get("gravity"))
     height: dict[str, float] = {"ground": -10.0, **dict.fromkeys(shapes, 0.0)}
-    for name, one in bodies.items():
-        height[name] = height[one["above"]] + 1.0 if "above" in one else height[one["below"]] - 1.0
+    over = {name: "above" in one or "after" in one for name, one in bodies.items()}
+    beside = {name: next(one[side] for side in SIDES if side in one) for name, one in bodies.items()}
+    for name, target in beside.items():
+        height[name] = height[target] + (1.0 if over[name] else -1.0)
     speeds = {n: one.get("speed", sqrt(2 * G * one.get("drop_height", 0.0))) for n, one in bodies.items()}
     flying = [name for name, speed in speeds.items() if speed]
     hung = {end for link in study.get("links", {}).values() for end in link["between"] if end in bodies}
@@ -165,8 +87,8 @@ def chain_of(model: Model) -> ev.Chain:
             return 0.0
         return masses[name] + sum(borne(one) for one in bodies if bodies[one].get("above") == name)
 
-    def touch(name: str, spec: Mapping[str, Any]) -> ev.Touch:
-        upper, lower = ends(spec["between"])
+    def touch(name: str, spec: Mapping[str, Any], apart: bool = False) -> ev.Touch:
+        upper, lower = ends(spec["between"])[:: -1 if apart else 1]
         shares = [1 / masses[end] for end in (upper, lower) if end in masses]
         law = law_of(spec["law"], 1 / sum(shares), max(speeds.get(end or "", 0.0) for end in (upper, lower)))
         weight = borne(upper) * G if heavy and upper not in hung and lower not in hung else 0.0
@@ -175,7 +97,10 @@ def chain_of(model: Model) -> ev.Chain:
     contacts = dict(study.get("contacts", {}))
     for name, one in bodies.items():
         if "contact" in one:
-            contacts[f"{name} on {one['above']}"] = {"between": [name, one["above"]], "law": one["contact"]}
+            contacts[f"{name} on {beside[name]}"] = {"between": [name, beside[name]], "law": one["contact"]}
+    touches = [touch(*one) for one in contacts.items()]
+    stops = [(name, one) for name, one in contacts.items() if one["law"]["type"] == "stop"]
+    touches += [touch(f"{name} apart", one, True) for name, one in stops]
     springs = []
     for link in study.get("links", {}).values():
         if "frequency" in link:
@@ -185,27 +110,33 @@ def chain_of(model: Model) -> ev.Chain:
         else:
             k, c = link["stiffness"], link.get("damping", 0.0)
         closing, opening = (c["closing"], c["opening"]) if isinstance(c, Mapping) else (c, c)
-        springs.append(ev.Spring(*ends(link["between"]), k, closing, opening))
-    pulses = []
+        push, since = link.get("preload", 0.0), link.get("release_at", 0.0)
+        springs.append(ev.Spring(*ends(link["between"]), k, closing, opening, push, since))
+    pulses, pushes = [], []
     for load in study.get("loads", {}).values():
-        on = load["body"] if "body" in load else load["at"].removesuffix(".z")
-        pulses.append(
-            ev.Pulse(on, load["half_sine"]["amplitude"], load["half_sine"]["frequency"], load.get("first", 0))
-        )
+        on = load["body"] if "body" in load else load.get("at", "").removesuffix(".z")
+        for turn in range(load.get("count", 1) if "half_sine" in load else 0):
+            first, half_sine = load.get("first", 0.0) + turn * load.get("every", 0.0), load["half_sine"]
+            pulses.append(ev.Pulse(on, half_sine["amplitude"], half_sine["frequency"], first))
+        if "walking" in load:
+            pushes.append(walked(load["along"], load["walking"], load.get("first", 0.0)))
     again = []
     for name, one in bodies.items():
         if "blows" in one:
             count, every = one["blows"]["count"], one["blows"]["every"]
-            over = None if one["above"] == "ground" else one["above"]
-            again.append(ev.Again(name, over, tuple(every * turn for turn in range(1, count))))
+            target = None if beside[name] == "ground" else beside[name]
+            first = one["blows"].get("first", 0.0)
+            times = tuple(first + every * turn for turn in range(0 if first else 1, count))
+            again.append(ev.Again(name, target, times, bool(first)))
     modal = np.zeros(len(omega))
     for point, speed in study.get("initial", {}).get("velocity", {}).items():
         shape = np.array(shapes[point.removesuffix(".z")])
         modal = modal + shape * speed / (shape @ shape)  # an impulse there
     return ev.Chain(
-        omega, ratio, shapes, masses, [touch(*one) for one in contacts.items()], springs, pulses,
-        {name: -masses[name] * G for name in flying} if heavy else {}, {name: -speeds[name] for name in flying},
-        modal.tolist() if modal.any() else (), again=again,
+        omega, ratio, shapes, masses, touches, springs, pulses,
+        {name: -masses[name] * G for name in flying} if heavy else {},
+        {name: -speeds[name] if over[name] else speeds[name] for name in flying},
+        modal.tolist() if modal.any() else (), again=again, pushes=pushes,
     )  # fmt: skip
 
 
@@ -280,7 +211,7 @@ def motions(model: Model, door: Door) -> Floats:
     found, path = door.histories(study, structure=model["structure"]), path_of(model)
     times = times_of(model)
     rows = []
-    for name in [*path.chain.bodies, *(f"{point}.z" for point in path.chain.shapes)]:
+    for name in [*path.chain.bodies, *(f"{point}.{axis_of(model)}" for point in path.chain.shapes)]:
         for what in ("displacement", "velocity"):
             size = np.abs(_moved(path, name, what, times)).max() or 1.0
             rows.append(np.interp(times, found["t"], found[f"{name} {what}"]) / size)
@@ -294,14 +225,14 @@ def times_of(model: Model) -> Floats:
 
 def _moved(path: ev.Path, name: str, what: str, times: Floats) -> Floats:
     of = path.moved if what == "displacement" else path.speed
-    return of(name.removesuffix(".z"), times)
+    return of(name.removesuffix(".z").removesuffix(".x"), times)
 
 
 def motions_right(model: Model, _: Door | None = None, rtol: float = 1e-11) -> Floats:
     """The same by events."""
     path, best, times = path_of(model, rtol), path_of(model), times_of(model)
     rows = []
-    for name in [*path.chain.bodies, *(f"{point}.z" for point in path.chain.shapes)]:
+    for name in [*path.chain.bodies, *(f"{point}.{axis_of(model)}" for point in path.chain.shapes)]:
         for what in ("displacement", "velocity"):
             size = np.abs(_moved(best, name, what, times)).max() or 1.0
             rows.append(_moved(path, name, what, times) / size)
@@ -332,6 +263,12 @@ def given_modes(rng: np.random.Generator, lowest: float = 3.0) -> dict[str, Any]
         for name, at in (("P", 0.5), ("Q", 0.0))
     }
     return {"structure": {"type": "modes", "frequency": frequency, "ratio": ratio, "points": points}}
+
+
+def axis_of(model: Model) -> str:
+    """Along which its structure moves."""
+    what = model["structure"]["structure"]
+    return "x" if what != "none" and what["type"] == "rod" else "z"
 
 
 def base_of(structure: Mapping[str, Any]) -> str:
