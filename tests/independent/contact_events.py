@@ -134,7 +134,7 @@ class Spring:
 
 @dataclass(frozen=True)
 class Push:
-    """Any force on an end, smooth but at its edges; positive upwards."""
+    """Any continuous force on an end, smooth but at its edges; positive upwards."""
 
     on: str
     force: Callable[[float], float]
