@@ -93,7 +93,7 @@ def piston_of(structure: Model) -> Oscillator:
     return Oscillator(mass, hz, damping.get("loss_factor", 2 * damping.get("ratio", 0.0)), "loss_factor" in damping)
 
 
-def box_of(stated: Model, structure: Model) -> PistonBox:
+def box_of(stated: Model, structure: Model, orders: int = 80) -> PistonBox:
     """The box of a room and the piston in its ceiling."""
     a, b = structure["parts"]["p"]["size"]
     piston = (stated["at"][0] - a / 2, stated["at"][1] - b / 2, a, b)
@@ -101,7 +101,7 @@ def box_of(stated: Model, structure: Model) -> PistonBox:
     if stated.get("form") == "source":
         told = stated["losses"]
         lost = {"beta": told["beta"] if "beta" in told else told["loss_factor"] / 2}
-    return PistonBox(tuple(stated["size"]), piston, **stated["air"], **lost)
+    return PistonBox(tuple(stated["size"]), piston, **stated["air"], **lost, orders=orders)
 
 
 def _right(model: Model, _: Door) -> Floats:
