@@ -175,6 +175,8 @@ def cells() -> list[tuple[str, str]]:
 
 
 def _can_change(kind: str, top: str, name: str) -> tuple[str, ...]:
+    if name.startswith("bodies.covering"):
+        return ("levels",)
     if kind == "study":
         return {"vibration": ("vibration",), "rooms": ("levels",)}.get(top, ("impacts",))
     if top == "structure":

@@ -77,7 +77,7 @@ def _gain(t60: float) -> float:
     return float(-late.fun)
 
 
-def _answer(model: Model, door: Door) -> dict[str, Any]:
+def answer_of(model: Model, door: Door) -> dict[str, Any]:
     found = door.ask({"model": "s.yaml", **model["study"]}, "run", "--no-pictures", s=model["structure"])
     door.told = []  # of the sound, whatever it is
     case: dict[str, Any] = found["cases"]["as given"]
@@ -89,7 +89,7 @@ def _(rng: np.random.Generator) -> Case:
     """Peak, A-weighted Fast, Slow and exposure; largest Fast levels of third octaves as the standard states them."""
 
     def asked(model: Model, door: Door) -> Floats:
-        case = _answer(model, door)
+        case = answer_of(model, door)
         found, rated = case["levels"]["room.mic"], case["rated"]["room"]["bands_db"]
         once = [found[f"l_{one}_db"] for one in ("peak", "afmax", "asmax", "ae")]
         return np.array([*once, *(rated[f"{band:g}"] for band in _THIRDS[:9])])
@@ -115,7 +115,7 @@ OCTAVES: Final = (63, 125, 250, 500)
 GRADE_50: Final = (73.0, 63.0, 56.0, 50.0)  # JIS A 1419-2; KS F 2863-2 has the same curve, 10 dB higher
 
 
-def _mean(places: Floats) -> Floats:
+def mean_of(places: Floats) -> Floats:
     return np.asarray(10 * np.log10(np.mean(10 ** (places / 10), axis=0)))
 
 
@@ -125,13 +125,13 @@ def _tenths(x: Floats) -> Floats:
 
 def _ball(places: Floats) -> list[float]:
     """L_iA,Fmax: unrounded, and to an integer."""
-    whole = levels.total((_mean(places) + A_OF_THIRDS).tolist())
+    whole = levels.total((mean_of(places) + A_OF_THIRDS).tolist())
     return [whole, float(np.floor(whole + 0.5))]
 
 
 def _grade(places: Floats) -> list[float]:
     """By JIS: the finest, the L number, the grade: the lowest curve in steps of 5 that is exceeded by 2 dB at most."""
-    read = _tenths(_mean(places))
+    read = _tenths(mean_of(places))
     number = float((np.floor(read + 0.5) - GRADE_50).max()) + 50
     grade = next(one for one in range(-100, 300, 5) if number - one <= 2)
     return [float((read - GRADE_50).max()) + 50, number, float(grade)]
@@ -139,7 +139,7 @@ def _grade(places: Floats) -> list[float]:
 
 def _inverse_a(places: Floats) -> list[float]:
     """By KS: the curve, moved in steps of 0.1 and 1 dB, that is exceeded by 8 dB at most."""
-    read, found = _tenths(_mean(places)), []
+    read, found = _tenths(mean_of(places)), []
     for steps in (10, 1):
         at = next(n for n in range(-100 * steps, 200 * steps)
                   if np.maximum(read - GRADE_50 - 10.0 - n / steps, 0).sum() <= 8.0 + 1e-6)  # fmt: skip
@@ -165,7 +165,7 @@ def _sourced(rng: np.random.Generator, source: str) -> dict[str, Any]:
 
 def _rated(model: Model, door: Door) -> tuple[dict[str, Any], Floats]:
     """What is rated, and the levels of its bands at both microphones."""
-    case = _answer(model, door)
+    case = answer_of(model, door)
     rated: dict[str, Any] = case["rated"]["room"]
     key = "bands_db" if rated["bands"] == "third octave" else "octaves_db"
     rows = [[case["levels"][f"room.{one}"][key][band] for band in rated["bands_db"]] for one in ("mic", "two")]
@@ -203,7 +203,7 @@ def _(rng: np.random.Generator) -> Case:
         _, places = _rated(model, door)
         room = model["study"]["rooms"]["room"]
         more = 10 * log10(float(np.prod(room["size"])) / 50) - 10 * log10(_gain(room["losses"]["t60"]) / _gain(0.5))
-        rows = [*(_mean(places) + more), *np.std(places, axis=0, ddof=1)]
+        rows = [*(mean_of(places) + more), *np.std(places, axis=0, ddof=1)]
         numbers = [*_ball(places + more), *_ball(places)]
         return np.array([*rows, *numbers, *[_spread(_ball, places)] * 2, *[0.0, 1.0] * 4])
 
@@ -225,7 +225,7 @@ def _(rng: np.random.Generator) -> Case:
 
     def right(model: Model, door: Door) -> Floats:
         _, places = _rated(model, door)
-        rows = [*_mean(places), *np.std(places, axis=0, ddof=1)]
+        rows = [*mean_of(places), *np.std(places, axis=0, ddof=1)]
         spreads = [_spread(_grade, places), _spread(_inverse_a, places)]
         return np.array([*rows, *_grade(places), *_inverse_a(places), *spreads, *[0.0, 1.0] * 4])
 
