@@ -186,8 +186,14 @@ def kept_modes(room: Box, up_to_hz: float, finest: Integers, most: int = MOST) -
     """Frequencies [n], indices [n, 3] of the cavity modes kept, and the frequency below which none is left out.
 
     finest [3] : highest order along every axis that what moves can tell.
+
+    Notes
+    -----
+    A room has at least as many modes up to f, the uniform one counted, as cubes of one order fill an octant: 4 pi V
+    f^3 / (3 c^3). Where that is more than are kept, no higher ones are made.
     """
-    frequency_hz, indices = room_modes(room, positive("up_to_hz", up_to_hz, "Hz"))
+    enough = room.air.c * (3 * (most + 2) / (4 * np.pi * room.volume)) ** (1 / 3)
+    frequency_hz, indices = room_modes(room, min(positive("up_to_hz", up_to_hz, "Hz"), enough))
     beyond = (np.arange(len(indices)) >= most) | (indices > finest).any(axis=1)
     if not beyond.any():
         return frequency_hz, indices, up_to_hz
