@@ -112,6 +112,7 @@ def _(rng: np.random.Generator) -> Case:
 
 A_OF_THIRDS: Final = (-30.3, -26.2, -22.4, -19.1, -16.2, -13.2, -10.8, -8.7, -6.6, -4.8, -3.2, -1.9)  # ISO 717-2 D.3
 OCTAVES: Final = (63, 125, 250, 500)
+_INTERVAL: Final = ("low", "mean", "high")
 GRADE_50: Final = (73.0, 63.0, 56.0, 50.0)  # JIS A 1419-2; KS F 2863-2 has the same curve, 10 dB higher
 
 
@@ -172,19 +173,18 @@ def _rated(model: Model, door: Door) -> tuple[dict[str, Any], Floats]:
     return rated, np.array(rows)
 
 
-def _between(some: list[dict[str, float | None]]) -> list[float]:
+def _between(some: list[dict[str, Any]]) -> list[float]:
     """That means are in the middle of their intervals, of bands and numbers that have them: differences, and 1."""
     found = []
     for one in some:
-        low, mean, high = (one[f"{name}_db"] for name in ("low", "mean", "high"))
-        assert low is not None and mean is not None and high is not None
+        low, mean, high = (np.nan if one[f"{name}_db"] is None else one[f"{name}_db"] for name in _INTERVAL)
         found += [(low + high) / 2 - mean, float(low < mean < high)]
     return found
 
 
 def _intervals(rated: dict[str, Any], symbols: tuple[str, ...]) -> list[float]:
     low = list(rated["bands_db"])[:2]
-    bands = [{f"{name}_db": rated[f"{name}_db"][band] for name in ("low", "mean", "high")} for band in low]
+    bands = [{f"{name}_db": rated[f"{name}_db"][band] for name in _INTERVAL} for band in low]
     return _between([*bands, *(rated["numbers"][one] for one in symbols)])
 
 
