@@ -309,6 +309,42 @@ def test_what_no_reader_uses_is_left_out(path, tmp_path):
         np.testing.assert_array_equal(one[name], other[name])
 
 
+COUPLED = """
+title: A plate on a spring with a dashpot, which couples its modes
+parts:
+  slab: {type: plate, material: steel, thickness: 5 mm, origin: [0, 0, 1], size: [0.6, 0.4], mesh: [3, 2]}
+  post: {type: spring, between: [middle, ground], stiffness: {z: 50 kN/m}, damping: {z: 800 N*s/m}}
+materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850, loss_factor: 1 %}}
+supports: {edges: {on: slab, edge: all, fix: simple}}
+points: {middle: {on: slab, at: [0.25, 0.2]}}
+surfaces: {below: {on: slab, side: below}}
+"""
+HIT = """
+model: model.yaml
+modes: {count: 12}
+bodies: {ball: {mass: 50 g, above: middle, speed: 1 m/s, contact: {type: hertz, stiffness: 3.7e5}}}
+time: {duration: 50 ms, sampling: 4 kHz}
+rooms:
+  box: {size: [0.6, 0.4, 1], under: below, losses: {t60: 0.5 s}, receivers: {mic: [0.2, 0.1, 0.3]}}
+"""
+
+
+def test_motion_of_coupled_modes_is_whole_again(tmp_path):
+    """Half of what turns oscillators into modes is made of the other half, to the last bit."""
+    (tmp_path / "model.yaml").write_text(COUPLED, encoding="utf-8")
+    (tmp_path / "hit.study.yaml").write_text(HIT, encoding="utf-8")
+    result = run_study(read_study(tmp_path / "hit.study.yaml"))
+    write_results(tmp_path / "results.h5", result)
+    before, after = (one.cases["as given"].response.motion for one in (result, read_results(tmp_path / "results.h5")))
+    assert before.turn.shape[0] == 4 and before.turn.size > 256
+    assert_same(before, after)
+    with h5py.File(tmp_path / "results.h5") as file:
+        tables = json.loads(file["nouns"].asstr()[()])
+        (kept,) = [noun for noun in tables[0] if noun["is"] == "motion of coordinates/1"]
+        place, row = kept["turn"]["array"]
+        assert row is None and file[place].shape == (2, *before.turn.shape[1:])
+
+
 def test_large_arrays_are_compressed_and_small_ones_stand_as_they_are(path):
     """Exactly the same numbers; chunks of small arrays would be larger than these."""
     kept = [item for _, item in datasets(path) if item.dtype.kind in "iufc" and item.nbytes]

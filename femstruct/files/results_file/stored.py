@@ -11,6 +11,7 @@ from femstruct.errors import FemstructError, InputError
 from femstruct.files.results_file.campaign_folder import refuse_campaign
 from femstruct.files.results_file.results import FORMAT, FORMAT_VERSION
 from femstruct.files.results_file.seal import refuse_broken_seal
+from femstruct.files.results_file.unread import with_derived
 from femstruct.files.results_file.whole import read_whole
 from femstruct.study.result import StudyResult
 
@@ -94,7 +95,7 @@ def read_results(path: str | Path) -> StudyResult:
         with h5py.File(path, "r") as file:
             _check(path, file)
             found: StudyResult = read_whole(file)
-            return found
+            return with_derived(found)
     except InputError:
         raise
     except _UNREADABLE as error:

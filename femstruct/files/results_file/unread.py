@@ -13,6 +13,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 
 if TYPE_CHECKING:
+    from femstruct.impact.engine.motion import Motion
     from femstruct.modal.basis import ModalBasis
     from femstruct.study.result import CaseResult, StudyResult
 
@@ -74,7 +75,8 @@ def without_unread(result: StudyResult) -> StudyResult:
             return _with(one, basis=basis_of(one.basis))
         rooms = [plan for plan in one.case.study.rooms if plan.room.bounded and plan.name in one.rooms]
         drawn = name == result.plan.baseline and rooms and result.models.get(one.basis_key) is not None
-        left: dict[str, Any] = {"pushes": NotKept(PUSHES)} | ({} if drawn else {"motion": NotKept(MOTION)})
+        motion = _halved(one.response.motion) if drawn else NotKept(MOTION)
+        left: dict[str, Any] = {"pushes": NotKept(PUSHES), "motion": motion}
         response = _with(one.response, basis=basis_of(one.response.basis), **left)
         return _with(one, basis=basis_of(one.basis), response=response)
 
@@ -83,6 +85,36 @@ def without_unread(result: StudyResult) -> StudyResult:
         bases={key: one if key in whole else basis_of(one) for key, one in result.bases.items()},
         cases={name: case_of(name, one) for name, one in result.cases.items()},
     )
+
+
+def with_derived(result: StudyResult) -> StudyResult:
+    """The results that a file has, with what was left out because the rest of a noun says it, to the last bit."""
+
+    def case_of(one: CaseResult) -> CaseResult:
+        if one.response is None or isinstance(one.response.motion, NotKept) or len(one.response.motion.turn) == 4:
+            return one
+        motion = one.response.motion
+        return _with(one, response=_with(one.response, motion=motion._replace(turn=_whole_turn(motion))))
+
+    return _with(result, cases={name: case_of(one) for name, one in result.cases.items()})
+
+
+def _halved(motion: Any) -> Any:
+    """A motion of oscillators without what makes rates of their states: displacements say it."""
+    if not isinstance(motion, NotKept) and len(motion.turn) == 4 and motion.turn.size:
+        half = motion._replace(turn=motion.turn[:2])
+        if np.array_equal(_whole_turn(half), motion.turn):
+            return half
+    return motion
+
+
+def _whole_turn(motion: Motion) -> Floats:
+    places, tilts = motion.turn
+    k = motion.turn.shape[2]
+    w, c = motion.omega[:k], motion.damping[:k]
+    whole = np.array([places, tilts, -tilts * w**2, places - tilts * c])
+    whole.flags.writeable = False
+    return whole
 
 
 def _by_itself(basis: ModalBasis) -> ModalBasis:
