@@ -1,4 +1,4 @@
-"""Boxes of any elastic material by Ritz: products of polynomials; its faces at 0 slide along walls.
+"""Boxes of any elastic material by Ritz: products of polynomials; free, or with faces that slide along walls.
 
 Lekhnitskii, Theory of Elasticity of an Anisotropic Body (1963), chapter 1: Hooke's law by a tensor of fourth order,
 turned with its axes. Strains are of small displacements along x, y, z.
@@ -45,40 +45,60 @@ def turned(C: Floats, axes: Floats) -> Floats:
 
 
 class Box:
-    """A box from the origin whose faces x = 0, y = 0 and z = 0 do not move across themselves. order : how many
-    polynomials along x, y, z. loss : of the material."""
+    """A box from the origin. loss : of the material. held : its faces x = 0, y = 0 and z = 0 do not move across
+    themselves. order : how many polynomials along x, y, z."""
 
-    def __init__(self, sides: Floats, C: Floats, rho: float, loss: float, order: Sequence[int] = (6, 6, 6)) -> None:
-        self.sides, self.order = np.asarray(sides, float), order
-        g, w = np.polynomial.legendre.leggauss(max(order) + 2)
-        places = np.stack(np.meshgrid(*[(g + 1) / 2 * one for one in self.sides], indexing="ij"), -1).reshape(-1, 3)
-        weights = np.einsum("i,j,k->ijk", w, w, w).ravel() * self.sides.prod() / 8
-        slopes = np.array([[self.values(places, of, along) for along in range(3)] for of in range(3)])
-        n = slopes.shape[-1]
+    def __init__(
+        self, sides: Floats, C: Floats, rho: float, loss: float, held: bool, order: Sequence[int] = (7, 7, 7)
+    ) -> None:
+        self.sides, self.held, self.order = np.asarray(sides, float), held, order
+        n = int(np.prod(order))
         self.K, self.M = np.zeros((3 * n, 3 * n)), np.zeros((3 * n, 3 * n))
-        self.rides = np.zeros((3, 3 * n))
         own = [slice(of * n, (of + 1) * n) for of in range(3)]
         for i, k in product(range(3), repeat=2):  # of displacements i and k, their slopes along j and l
             self.K[own[i], own[k]] = sum(
-                C[i, j, k, m] * (slopes[i, j].T * weights) @ slopes[k, m] for j, m in product(range(3), repeat=2)
+                C[i, j, k, m] * self._inner((i, j), (k, m)) for j, m in product(range(3), repeat=2) if C[i, j, k, m]
             )
         for i in range(3):
-            values = self.values(places, i)
-            self.M[own[i], own[i]] = rho * (values.T * weights) @ values
-            self.rides[i, own[i]] = rho * weights @ values
+            self.M[own[i], own[i]] = rho * self._inner((i, None), (i, None))
+        each = [self._sums(axis) for axis in range(3)]
+        self.rides = np.zeros((3, 3 * n))
+        for i in range(3):
+            self.rides[i, own[i]] = rho * np.einsum("i,j,k->ijk", *(one[int(self.held and axis == i)] for axis, one in
+                                                                    enumerate(each))).ravel()  # fmt: skip
         self.H = loss * self.K
 
-    def values(self, places: Floats, of: int, along: int | None = None) -> Floats:
-        """Products for a displacement at places [n, 3], or their slopes along an axis: [n, products]."""
-        each = []
-        for axis, count in enumerate(self.order):
-            x, length = places[:, axis], self.sides[axis]
-            base = [np.polynomial.legendre.Legendre.basis(i, domain=[0, length]) for i in range(count)]
-            plain = np.stack([one(x) for one in base], axis=1)
-            slope = np.stack([one.deriv()(x) for one in base], axis=1)
-            if axis == of:  # zero at the wall
-                plain, slope = plain * (x / length)[:, None], slope * (x / length)[:, None] + plain / length
-            each.append(slope if axis == along else plain)
+    def _line(self, axis: int, x: Floats, walled: bool) -> tuple[Floats, Floats]:
+        """Polynomials along an axis [x, order], and their slopes; zero at a wall."""
+        length = self.sides[axis]
+        base = [np.polynomial.legendre.Legendre.basis(i, domain=[0, length]) for i in range(self.order[axis])]
+        plain, slope = (np.stack([one.deriv(k)(x) for one in base], axis=1) for k in (0, 1))
+        if not walled:
+            return plain, slope
+        share = (x / length)[:, None]
+        return plain * share, slope * share + plain / length
+
+    def _gauss(self, axis: int) -> tuple[Floats, Floats]:
+        g, w = np.polynomial.legendre.leggauss(self.order[axis] + 2)
+        return (g + 1) / 2 * self.sides[axis], w * self.sides[axis] / 2
+
+    def _sums(self, axis: int) -> tuple[Floats, Floats]:
+        """Integrals of polynomials along an axis, without a wall and with one."""
+        x, w = self._gauss(axis)
+        return w @ self._line(axis, x, False)[0], w @ self._line(axis, x, True)[0]
+
+    def _inner(self, one: tuple[int, int | None], other: tuple[int, int | None]) -> Floats:
+        """Integrals of the products of two displacements, or of their slopes along an axis: of lines, axis by axis."""
+        found = np.ones((1, 1))
+        for axis in range(3):
+            x, w = self._gauss(axis)
+            a, b = (self._line(axis, x, self.held and axis == of)[int(axis == along)] for of, along in (one, other))
+            found = np.kron(found, (a.T * w) @ b)
+        return found
+
+    def values(self, places: Floats, of: int) -> Floats:
+        """Products for a displacement at places [n, 3]: [n, products]."""
+        each = [self._line(axis, places[:, axis], self.held and axis == of)[0] for axis in range(3)]
         return np.einsum("pi,pj,pk->pijk", *each).reshape(len(places), -1)
 
     def linear(self, points: Mapping[str, Floats]) -> Linear:

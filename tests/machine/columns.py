@@ -40,7 +40,7 @@ class Subject:
     from meshes; accuracy : of natural frequencies, relative; at_rest : of answers at rest, where it is another; aside :
     findings that do not count; pushed : at rest too, where the form must be right beside a force; beside : files and
     models that a model takes; first : commands before what is asked; reach : how many times the first mode modes of
-    a shaken base go up to.
+    a shaken base go up to; still : modes at rest, of what nothing holds.
     """
 
     draft: Draft
@@ -58,6 +58,7 @@ class Subject:
     beside: Callable[[Model], Mapping[str, Model | str]] = nothing
     first: tuple[tuple[str, ...], ...] = ()
     reach: float = 30.0
+    still: int = 0
 
     def ask(self, door: Door, model: Model, *command: str) -> dict[str, Any]:
         """An answer of the program."""
@@ -108,7 +109,7 @@ def _damped(rng: np.random.Generator, one: Subject, least: float = 0.03) -> None
 def _modes(rng: np.random.Generator, one: Subject) -> Case:
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = np.array(one.ask(door, finer, "modes", "--count", str(_COUNT))["frequency_hz"])
+            found = np.array(one.ask(door, finer, "modes", "--count", str(_COUNT + one.still))["frequency_hz"])
             return found[found > 1e-3]
 
         answer = one.refine(model, ask)
@@ -131,7 +132,7 @@ def _losses(rng: np.random.Generator, one: Subject) -> Case:
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = one.ask(door, finer, "modes", "--count", str(_COUNT))
+            found = one.ask(door, finer, "modes", "--count", str(_COUNT + one.still))
             return 2 * np.array(found["damping_ratio"])[np.array(found["frequency_hz"]) > 1e-3]
 
         answer = one.refine(model, ask)

@@ -332,7 +332,7 @@ def _attached_form(model: Model, spots: Floats, mass: float, at: int) -> Linear:
     elif more["take"] == "masses":
         place = bones.place(more["scale"] * spots[at])
         bones.follow(bodies[on], place)
-        bones.body(place, mass * more["mass_unit"])
+        bones.body(place, mass * more.get("mass_unit", 1.0))
     points = {}
     for name, one in model["points"].items():
         points[name] = bones.place(np.array(one["at"]))
@@ -362,6 +362,8 @@ def _(rng: np.random.Generator) -> Case:
         "points": {},
         "damping": {"ratio": 0.03},
     }  # fmt: skip
+    if rng.random() < 0.5:  # kg beside metres
+        del draft["parts"]["more"]["mass_unit"]
     k = weigh * (2 * np.pi * rng.uniform(2, 4)) ** 2 / 3
     for name in ("low", "high"):
         for letter, node in zip("abc", (6, 3, 22), strict=True):
