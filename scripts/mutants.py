@@ -53,7 +53,7 @@ FIRST: Mapping[str, tuple[str, ...]] = {
     "laws": ("impacts", "evaluations"),
     "rooms": ("rooms", "levels"),
     "levels": ("levels", "rooms"),
-    "readers": ("decks", "formats", "exchange", "said otherwise", "tables"),
+    "readers": ("decks", "formats", "tables", "language", "exchange", "said otherwise"),
     "sweeps": ("sweeps: drawn", "sweeps: who", "sweeps: the best", "sweeps"),
 }
 
