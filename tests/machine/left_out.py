@@ -198,10 +198,19 @@ def _elements(rng: np.random.Generator) -> list[tuple[str, Deck, Draft]]:
     other.told.append((_LIMITS, 0, 1))  # the mass, which no part takes
     for one in (deck, other):
         one.add("ENDDATA")
-    open_end = Deck(told=[(_LIMITS, 0, 0)], others=2)  # bars, and two materials of one shell
+    open_end = Deck(told=[(_LIMITS, 0, 0)], others=3)  # bars of two kinds, and two materials of one shell
     open_end.add("MAT1,1,2.1+11,8.0769+10,.3,7850.,1.-5,20.,.01", ",1.,1.,1.,0", "MAT1,9,,8.0769+10,.3,7850.")
     open_end.add("MAT1,8,2.1+11,8.0769+10,,7850.", *(f"PSHELL,{p},{9 if p == 5 else 8},.01,8,,8" for p in range(1, 9)))
-    open_end.add("MAT1,7,7.+10,,.3,2700.", "PSHELL,19,7,.01,7,,7", "CQUAD4,99,19,1,2,7,6", "CBAR,98,7,1,2,0.,0.,1.")
+    open_end.add("MAT1,7,7.+10,,.3,2700.", "PSHELL,19,7,.01,7,,7,,0.", ",-.005,.005", "CQUAD4,99,19,1,2,7,6")
+    # fields of heat, strength and bars, all of them
+    for name, head, count in (("MAT2", "22", 19), ("MAT3", "23", 19), ("MAT8", "28", 23), ("MAT9", "29", 39),
+                              ("MAT10", "30", 19), ("MAT11", "31", 29), ("CBAR", "98,7,1,2", 20),
+                              ("CBEAM", "97,7,1,2", 20)):  # fmt: skip
+        fields = [*head.split(","), *["1."] * count]
+        open_end.add(
+            f"{name},{','.join(fields[:8])}", *(f",{','.join(fields[k : k + 8])}" for k in range(8, len(fields), 8))
+        )
+    open_end.add("PSOLID,30,1,,2,GAUSS,1")
     open_end.add("PBAR,7,1,1.-4,1.-8,1.-8,1.-8", matters=_IDLE)
     open_end.add(*(one for one in _GRIDS + _QUADS))
     return [("c.bdf", deck, {}), ("d.bdf", other, {}), ("e.bdf", open_end, {})]
