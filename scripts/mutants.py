@@ -49,7 +49,7 @@ SUBJECTS: Mapping[str, tuple[str, ...]] = {
 FIRST: Mapping[str, tuple[str, ...]] = {
     "elements": ("elements", "any answer", "slabs", "plates", "solids", "closed form"),
     "joints": ("joints", "bars", "slabs: two", "limits", "any answer"),
-    "losses": ("lose", "loses", "losses", "damping", "any answer"),
+    "losses": ("lose", "loses", "losses", "language", "damping", "any answer"),
     "laws": ("impacts", "evaluations"),
     "rooms": ("rooms", "levels"),
     "levels": ("levels", "rooms"),

@@ -13,6 +13,15 @@ from tests.machine.framework import Case, Door, Floats, Model, Refused, capabili
 Draft = dict[str, Any]
 _GONE: Final = object()
 _PLATE: Final = {"type": "plate", "material": "m", "size": [2.0, 1.5], "thickness": 0.02, "mesh": 0.5}
+_SMEARED: Final = {"D": [6e6, 2e6, 1e5, 5e5], "S": [1e7, 1e7], "mass": 84.0}
+
+
+def _smeared(**other: Any) -> Draft:
+    """A plate of smeared ribs."""
+    part = {key: one for key, one in _PLATE.items() if key != "material"}
+    return {**part, "origin": [0, 0, 0], "smeared": {**_SMEARED, **other}}
+
+
 _TIMES: Final = {"reverberation_times": {"63 Hz": "0.4 s"}}
 _EDGE: Final = {"on": "p", "edge": "x0"}
 _HUNG: Final = {"normal": "1 MN/m"}
@@ -115,6 +124,15 @@ _MISTAKES: Final[list[tuple[str, Any, str]]] = [
     ("parts.p.material", _GONE, "parts.p"),
     ("parts.p.material", "nothing", "parts.p.material"),
     ("parts.p.thickness", -0.02, "parts.p.thickness"),
+    ("parts.p", _smeared(D=[0, 2e6, 1e5, 5e5]), "parts.p"),
+    ("parts.p", _smeared(D=[6e6, 0, 1e-9, 5e5]), "parts.p"),
+    ("parts.p", _smeared(D=[6e6, 2e6, 1e5, 0]), "parts.p"),
+    ("parts.p", _smeared(D=[6e6, 2e6, 3.5e6, 5e5]), "parts.p"),
+    ("parts.p", _smeared(S=[0, 1e7]), "parts.p"),
+    ("parts.p", _smeared(S=[1e7, 0]), "parts.p"),
+    ("parts.p", _smeared(A=[6e8, 2e8, 1e7, 0]), "parts.p"),
+    ("parts.p", _smeared(A=[6e8, 2e8, 3.5e8, 1e8]), "parts.p"),
+    ("parts.p", _smeared(mass=0), "parts.p.smeared.mass"),
     ("parts.f.section", "nothing", "parts.f.section"),
     ("parts.f.type", "truss", "parts.f.type"),
     ("sections.s.shape", "star", "sections.s"),
