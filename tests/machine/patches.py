@@ -317,3 +317,47 @@ def _(rng: np.random.Generator) -> Case:
 
     why = "the foot holds contraction over sqrt(R t); facets are off each other by up to a quarter of the thickness"
     return Case(draft, asked, right, 2e-2, why, each=True)
+
+
+@capability("joints: strips side by side of unlike cells under a moment", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """Without lateral contraction both bend to w = M x^2 / 2 E I, along the line on which they meet."""
+    made = {"E": float(f"{rng.uniform(1e10, 2e11):.4g}"), "nu": 0.0, "rho": 2000.0}
+    long, thick = (float(f"{x:.3g}") for x in rng.uniform([0.5, 0.004], [0.8, 0.008]))
+    sides = np.cumsum([0.0, *rng.uniform(0.1, 0.2, 2).round(3)])
+    counts = [(int(rng.integers(5, 8)), 2), (int(rng.integers(8, 11)), 3)]
+    draft: Draft = {"materials": {"m": made}, "parts": {}, "points": {}, "supports": {}, "damping": {"ratio": 0.01}}
+    draft["sections"] = {"s": {"shape": "rectangle", "width": 0.01, "height": 0.01}}
+    draft["joints"] = {"j": {"connect": ["a", "b"]}}
+    files, tips = {}, {}
+    for name, cells, low, high in zip("ab", counts, sides, sides[1:], strict=False):
+        nodes, own = _pieces(cells, np.array([[[0, low, 0], [0, high, 0]], [[long, low, 0], [long, high, 0]]]), "quad4")
+        files[f"{name}.vtu"] = _file(nodes, own, "quad4")
+        draft["parts"][name] = {"type": "shell", "mesh": f"{name}.vtu", "material": "m", "thickness": thick}
+        draft["supports"][f"root {name}"] = {"on": name, "box": _box(nodes[: cells[1] + 1]), "fix": "clamped"}
+        tips[name] = nodes[-cells[1] - 1 :]
+        tops = tips[name] + np.array([0.0, 0.0, _LEVER])
+        lines = [[one.tolist(), top.tolist()] for one, top in zip(tips[name], tops, strict=True)]
+        draft["parts"][f"l{name}"] = {"type": "frame", "material": "m", "section": "s", "lines": lines}
+        draft["joints"][f"stand {name}"] = {"connect": [f"l{name}", name]}
+        draft["points"] |= {f"t{name}{k}": {"on": name, "at": one.tolist()} for k, one in enumerate(tips[name])}
+        draft["points"] |= {f"u{name}{k}": {"on": f"l{name}", "at": one.tolist()} for k, one in enumerate(tops)}
+    bend = float(rng.uniform(0.01, 0.03))
+
+    def asked(model: Model, door: Door) -> Floats:
+        EI = model["materials"]["m"]["E"] * thick**3 / 12
+        words, names = [], []
+        for name, cells, wide in zip("ab", counts, np.diff(sides).tolist(), strict=True):
+            for k, pair in enumerate((_ends((cells[1],), EI * wide * bend) / _LEVER).tolist()):
+                words += ["--force", f"t{name}{k}.x={pair!r} N", "--force", f"u{name}{k}.x={-pair!r} N"]
+                names.append(f"t{name}{k}")
+        found = door.ask(model, "statics", *words, **files)
+        door.told = []
+        moved = np.array([found["points"][one] for one in names])
+        return np.r_[moved[:, 2] * 1e3, moved[:, 4] * 1e3, moved[:, 3] * 1e3]
+
+    def right(_: Model, __: Door) -> Floats:
+        some = np.ones(sum(len(one) for one in tips.values())) * bend * 1e3
+        return np.r_[some * long**2 / 2, -some * long, 0 * some]
+
+    return Case(draft, asked, right, 1e-5, _EXACT)

@@ -279,11 +279,14 @@ def _(rng: np.random.Generator) -> Case:
         ends = [found["ends"]["bodies.ball.mass"], found["ends"][_SPEED]]
         inside = (np.diff(goals, axis=0) > 0).all() and goals[:, 1].max() <= limit * (1 + 1e-9)
         off = [abs(hit(m, 1.0, k, other, 90.0)[1] / v - 1) for m, v in goals.tolist()]
+        early = [0.0, *(one["share"] for one in found["hypervolume"] if one["designs"] <= 0.8 * found["designs"])]
+        before = early[-1]
         share, knee, *first_last = _front_told(found, [found["front"][at]["design"] for at in (0, -1)])
         right = [
             inside, max(off) < 1e-3, found["designs"] == found["runs"], ends == first_last,
             knee == found["knee"], abs(share / found["hypervolume"][-1]["share"] - 1) < 1e-9, found["feasible"],
+            found["still_improving"] == (found["spent"] and before < 0.99 * found["hypervolume"][-1]["share"]),
         ]  # fmt: skip
         return np.array([float(one) for one in right])
 
-    return Case({"study": study, "mass": _mass(other, 90.0)}, asked, lambda *_: np.ones(7), 1e-12, "yes or no")
+    return Case({"study": study, "mass": _mass(other, 90.0)}, asked, lambda *_: np.ones(8), 1e-12, "yes or no")
