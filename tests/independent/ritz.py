@@ -15,6 +15,8 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 Floats = np.ndarray
+Box = tuple[float, float, float, float]
+"""x0, x1, y0, y1 [m]."""
 U, V, W, PX, PY = range(5)
 
 
@@ -78,19 +80,23 @@ def section(plies: Sequence[Ply], offset: float = 0.0, factor: float = 5 / 6, lo
 
 @dataclass
 class Panel:
-    """A plate of a by b [m]. thin : Kirchhoff's. order : of the polynomials. K, M grow by what is added."""
+    """A plate of a by b [m]. thin : Kirchhoff's, which bends alone; flat : it stretches in its plane, too. order : of
+    the polynomials. K, M grow by what is added."""
 
     a: float
     b: float
     thin: bool = False
     order: int = 9
+    flat: bool = False
     K: Floats = field(init=False)
     M: Floats = field(init=False)
     held: list[Floats] = field(init=False, default_factory=list)
+    fields: tuple[int, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         self.n = self.order + 1
-        size = (1 if self.thin else 5) * self.n**2
+        self.fields = ((U, V, W) if self.flat else (W,)) if self.thin else (U, V, W, PX, PY)
+        size = len(self.fields) * self.n**2
         self.K, self.M = np.zeros((size, size)), np.zeros((size, size))
 
     def rows(self, x: Floats, y: Floats, what: int, dx: int = 0, dy: int = 0) -> Floats:
@@ -102,13 +108,13 @@ class Panel:
             each = [np.polynomial.legendre.Legendre.basis(i, domain=[0, length]).deriv(times) for i in range(self.n)]
             along.append(np.stack([one(np.asarray(at, float)) for one in each], axis=1))
         found = np.zeros((len(along[0]), len(self.K)))
-        if self.thin and what != W:  # it bends alone
+        if what not in self.fields:
             return found
-        first = 0 if self.thin else what * self.n**2
+        first = self.fields.index(what) * self.n**2
         found[:, first : first + self.n**2] = np.einsum("pi,pj->pij", *along).reshape(len(found), -1)
         return found
 
-    def points(self, box: tuple[float, float, float, float] | None = None) -> tuple[Floats, Floats, Floats]:
+    def points(self, box: Box | None = None) -> tuple[Floats, Floats, Floats]:
         """Places and weights of Gauss over a rectangle x0, x1, y0, y1; without one the whole plate."""
         x0, x1, y0, y1 = box or (0.0, self.a, 0.0, self.b)
         g, w = np.polynomial.legendre.leggauss(self.n + 1)
@@ -124,17 +130,17 @@ class Panel:
         gamma = [self.rows(x, y, W, 1) + self.rows(x, y, PX), self.rows(x, y, W, 0, 1) + self.rows(x, y, PY)]
         return np.stack([*of(U, V), *of(PX, PY)], axis=1), np.stack(gamma, axis=1)
 
-    def stiffness(self, of: Section) -> Floats:
-        """K of a section over the whole plate, added to nothing."""
-        x, y, w = self.points()
+    def stiffness(self, of: Section, box: Box | None = None) -> Floats:
+        """K of a section over a rectangle or the whole plate, added to nothing."""
+        x, y, w = self.points(box)
         e, g = self.strains(x, y)
         C = np.block([[of.A, of.B], [of.B, of.D]])
         K = np.einsum("p,pac,ab,pbd->cd", w, e, C, e, optimize=True)
         return K if self.thin else K + np.einsum("p,pac,ab,pbd->cd", w, g, of.S, g, optimize=True)
 
-    def inertia(self, of: Section) -> Floats:
-        """M of a section over the whole plate, added to nothing; rotary inertia too."""
-        x, y, w = self.points()
+    def inertia(self, of: Section, box: Box | None = None) -> Floats:
+        """M of a section over a rectangle or the whole plate, added to nothing; rotary inertia too."""
+        x, y, w = self.points(box)
         I0, I1, I2 = of.mass
         M = np.zeros_like(self.K)
         for flat, turn in ((U, PX), (V, PY)):
@@ -149,7 +155,7 @@ class Panel:
         self.M += self.inertia(of)
         return self
 
-    def spread(self, kn: float, ks: float, z: float, box: tuple[float, float, float, float] | None = None) -> Floats:
+    def spread(self, kn: float, ks: float, z: float, box: Box | None = None) -> Floats:
         """K of springs per area to the ground, normal and along the plane, on the face at z."""
         x, y, w = self.points(box)
         K = np.zeros_like(self.K)

@@ -22,7 +22,7 @@ Draft = dict[str, Any]
 _THIN = "16 cells a side and polynomials of order 11: below 2e-3"
 _THICK = "cells of a third and a sixth, extrapolated, polynomials of order 11: below 4e-3"
 _KINK = "16 cells a side, and polynomials of order 17 and more across a line where the shear force jumps"
-_ASIDE = (
+ASIDE = (
     "thick-for-short-waves",
     "coarse-mesh",
     "modal-mass-low",
@@ -72,7 +72,7 @@ def _answers(
     cases = []
     for less in (2, 0):
         form = partial(reading, order=order - less)
-        subject = Subject(copy.deepcopy(draft), form, ("d.z",), ways, accuracy, why, refine, _ASIDE,
+        subject = Subject(copy.deepcopy(draft), form, ("d.z",), ways, accuracy, why, refine, ASIDE,
                           answers=answers, pushed=not thick)  # fmt: skip
         cases.append(case_of(copy.deepcopy(rng) if less else rng, subject))
     rough, fine = (np.asarray(one.right(cases[1].model, Door())) for one in cases)
@@ -90,7 +90,7 @@ def _lean(rng: np.random.Generator, part: Draft) -> None:
     part["origin"] = rng.uniform(-2, 2, 3).round(3).tolist()
 
 
-def _plate(rng: np.random.Generator, kinds: tuple[str, ...] = ("simple", "clamped", "free")) -> Draft:
+def a_plate(rng: np.random.Generator, kinds: tuple[str, ...] = ("simple", "clamped", "free")) -> Draft:
     a, b = between(rng, 1.0, 2.0), between(rng, 1.0, 2.0)
     h = float(f"{a / rng.uniform(60, 150):.4g}")
     part = {"type": "plate", "origin": [0, 0, 0], "size": [a, b], "mesh": [16, 16], "in_plane": "rigid",
@@ -124,7 +124,7 @@ def _losing(rng: np.random.Generator, draft: Draft) -> Draft:
 @capability("any answer: plates in space", "independent")
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng)
+    draft = a_plate(rng)
     _lean(rng, draft["parts"]["p"])
     return _answers(rng, draft, "q.z")
 
@@ -132,7 +132,7 @@ def _(rng: np.random.Generator) -> Case:
 @capability("any answer: plates of timber", "independent")
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng, ("simple", "clamped"))
+    draft = a_plate(rng, ("simple", "clamped"))
     draft["materials"]["m"] = material(rng, True)
     part = draft["parts"]["p"]
     part["layers"] = [[part.pop("material"), part.pop("thickness"), f"{between(rng, -90, 90)} deg"]]
@@ -142,7 +142,7 @@ def _(rng: np.random.Generator) -> Case:
 @capability("any answer: plates of smeared ribs", "independent")
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng)
+    draft = a_plate(rng)
     part = draft["parts"]["p"]
     made, h = draft["materials"].pop(part.pop("material")), part["thickness"]
     del draft["materials"]
@@ -159,7 +159,7 @@ def _(rng: np.random.Generator) -> Case:
 @capability("any answer: plates on springs over regions", "independent", slow=True)
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng)
+    draft = a_plate(rng)
     a, b = draft["parts"]["p"]["size"]
     kind = str(rng.choice(["whole", "rectangle", "rim", "line"]))
     sx, sy = between(rng, 0.3 * a, 0.6 * a), between(rng, 0.3 * b, 0.6 * b)
@@ -182,7 +182,7 @@ def _(rng: np.random.Generator) -> Case:
 @capability("any answer: masses over regions of plates", "independent", slow=True)
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng)
+    draft = a_plate(rng)
     part = draft["parts"]["p"]
     a, b = part["size"]
     weigh = draft["materials"]["m"]["rho"] * part["thickness"]
@@ -207,7 +207,7 @@ def _(rng: np.random.Generator) -> Case:
 @capability("any answer: plates on elastic edges", "independent", slow=True)
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng)
+    draft = a_plate(rng)
     part, made = draft["parts"]["p"], draft["materials"]["m"]
     a = part["size"][0]
     D = made["E"] * part["thickness"] ** 3 / 12 / (1 - made["nu"] ** 2)
@@ -229,7 +229,7 @@ def _(rng: np.random.Generator) -> Case:
 @capability("any answer: plates over a wall", "independent", slow=True)
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng, ("simple", "clamped"))
+    draft = a_plate(rng, ("simple", "clamped"))
     a, b = draft["parts"]["p"]["size"]
     x = between(rng, 0.4 * a, 0.6 * a)
     draft["supports"]["wall"] = {"on": "p", "line": [[x, 0.0], [x, b]], "fix": "simple"}
@@ -239,7 +239,7 @@ def _(rng: np.random.Generator) -> Case:
 
 def _above(rng: np.random.Generator) -> Draft:
     """A second plate below the first, held in its plane alone."""
-    draft = _plate(rng, ("simple", "clamped"))
+    draft = a_plate(rng, ("simple", "clamped"))
     part = draft["parts"]["p"]
     low: Draft = {**copy.deepcopy(part), "material": "n", "origin": [0, 0, -between(rng, 0.1, 0.3)]}
     low["thickness"] *= between(rng, 0.8, 1.3)
@@ -405,7 +405,7 @@ def _by_frequency(model: Model, order: int) -> Linear:
 @capability("any answer: plates that lose by frequency", "independent", slow=True)
 @_settled
 def _(rng: np.random.Generator) -> Case:
-    draft = _plate(rng, ("simple", "clamped"))
+    draft = a_plate(rng, ("simple", "clamped"))
     first, made = float(read(draft).modes(1)[0][0]), draft["materials"]["m"]
     size = rng.uniform(0.06, 0.12)
     if rng.random() < 0.5:

@@ -215,6 +215,10 @@ def _other(model: Model, document: Path_, where: Path_, node: Schema) -> Iterato
         if where[-3:] == (0, 0, 0):
             yield _stretched(model, document)
         return
+    if "outline" in where:
+        if where[-2:] == (0, 0):
+            yield _widened(model, where[:-2])
+        return
     fresh: Any = copy.deepcopy(model)
     there = fresh
     for key in where[:-1]:
@@ -233,6 +237,16 @@ def _other(model: Model, document: Path_, where: Path_, node: Schema) -> Iterato
     elif value and not isinstance(value, bool):
         there[where[-1]] = value + 1 if isinstance(value, int) and node.get("type") == "integer" else value * 1.1
         yield fresh
+
+
+def _widened(model: Model, outline: Path_) -> Model:
+    """All corners of an outline farther out, so that its sides stay along x and y."""
+    fresh: Any = copy.deepcopy(model)
+    there = fresh
+    for key in outline[:-1]:
+        there = there[key]
+    there[outline[-1]] = (1.1 * np.array(there[outline[-1]])).tolist()
+    return fresh
 
 
 def _stretched(model: Model, document: Path_) -> Model:

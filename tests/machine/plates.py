@@ -14,6 +14,10 @@ from tests.machine.framework import Case, Door, Floats, Model, capability
 _EDGES: Final = ("x0", "x1", "y0", "y1")
 _KNOBS = ("materials.m",)
 _COUNT = 4
+CLT: Final = {  # standard designs (husfabrik.eu), layers [mm], those across in between
+    "CLT100 L3": (30, 40, 30), "CLT120 L3": (40, 40, 40), "CLT160 L5": (40, 20, 40, 20, 40),
+    "CLT200 L5": (40, 40, 40, 40, 40),
+}  # fmt: skip
 _RITZ = "16 cells a side, and polynomials of order 10 at free edges: both below 1e-3 for the first four modes"
 
 
@@ -79,7 +83,11 @@ def plies(model: Model, part: str = "p") -> list[Ply]:
     made, of = model["materials"], model["parts"][part]
     if "layers" not in of:
         return [ply(made[of["material"]], of["thickness"])]
-    rows = [(one[0], one[1], float(str(one[2]).split()[0]) if len(one) > 2 else 0.0) for one in of["layers"]]
+    if "like" in of["layers"]:
+        of_clt = enumerate(CLT[of["layers"]["like"]])
+        return [ply(made[of["layers"]["of"]], each / 1e3, 90.0 * (number % 2)) for number, each in of_clt]
+    laid = of["layers"]["boards"] if "boards" in of["layers"] else of["layers"]
+    rows = [(one[0], one[1], float(str(one[2]).split()[0]) if len(one) > 2 else 0.0) for one in laid]
     return [ply(made[name], thickness, angle) for name, thickness, angle in rows]
 
 

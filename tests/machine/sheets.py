@@ -6,19 +6,21 @@ Plates are Kirchhoff's and rigid in their planes; slabs have shear and stretch. 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from tests.independent.linear import Floats, Linear
-from tests.independent.ritz import PX, PY, Panel, Section, U, V, W, section
+from tests.independent.ritz import PX, PY, Box, Panel, Section, U, V, W, section
 from tests.machine.framework import Model
 from tests.machine.plates import plies
+from tests.machine.skeletons import LAYERS
 
 _SIDES = {"side 1": "y0", "side 2": "x1", "side 3": "y1", "side 4": "x0"}
 _HARD = {"simple hard": "hard"}
+_STIFF = 1e4  # times as stiff: a plate that does not stretch
 Spots = tuple[Floats, Floats]
 """Places [n, 2] in a sheet's own coordinates, and the weight of each [n]."""
 
@@ -32,6 +34,7 @@ class Sheet:
     corner: Floats
     thickness: float
     middle: float
+    holes: tuple[Box, ...] = ()
     first: int = 0
 
     def own(self, local: Floats, z: float | Floats) -> Floats:
@@ -72,7 +75,10 @@ def read_form(model: Model, order: int = 11) -> Form:
         if part["type"] in _HANGS:
             _HANGS[part["type"]](form, part, model)
     for one in model.get("supports", {}).values():
-        _support(form, one)
+        if "on" in one:
+            _support(form, one)
+    for one in model.get("constraints", {}).values():
+        _rests(form, one, model)
     return form
 
 
@@ -81,21 +87,61 @@ def _sheet(model: Model, name: str, order: int) -> tuple[Sheet, Floats]:
     part = model["parts"][name]
     thin = part["type"] == "plate"
     a, b = part["size"] if thin else part["outline"][2]
-    if smeared := part.get("smeared"):
-        h, offset = part["thickness"], part.get("offset", 0.0)
-        of, loss = _smeared(smeared, h, offset), smeared.get("loss_factor", 0.0)
-        lossy = Section(loss * of.A, loss * of.B, loss * of.D, loss * of.S)
-    else:
-        h, offset = sum(one.thickness for one in plies(model, name)), part.get("offset", 0.0)
-        of, lossy = section(plies(model, name), offset), section(plies(model, name), offset, lossy=True)
-    panel = Panel(a, b, thin=thin, order=order).add(of)
+    of, lossy, h = _rigidities(model, name)
+    if thin:  # Kirchhoff's have no rotary inertia
+        of = replace(of, mass=(of.mass[0], 0.0, 0.0))
+    panel = Panel(a, b, thin=thin, order=order, flat=thin and _moves_along(model, part)).add(of)
+    holes = tuple(_rectangle(one["rectangle"], one["at"]) for one in part.get("holes", ()))
+    H = panel.stiffness(lossy)
+    for box in holes:
+        panel.K -= panel.stiffness(of, box)
+        panel.M -= panel.inertia(of, box)
+        H -= panel.stiffness(lossy, box)
     n = np.asarray(part.get("normal", [0, 0, 1.0]), float)
     n /= np.linalg.norm(n)
     x = np.asarray(part.get("x_direction", [1.0, 0, 0]), float)
     x = x - (x @ n) * n
     x /= np.linalg.norm(x)
     R = np.array([x, np.cross(n, x), n])
-    return Sheet(panel, R, np.asarray(part.get("origin", [0, 0, 0]), float), h, offset), panel.stiffness(lossy)
+    corner = np.asarray(part.get("origin", [0, 0, 0]), float)
+    return Sheet(panel, R, corner, h, part.get("offset", 0.0), holes), H
+
+
+def _rigidities(model: Model, name: str) -> tuple[Section, Section, float]:
+    """Of a sheet, what of them is lossy, and its thickness."""
+    part = model["parts"][name]
+    offset = part.get("offset", 0.0)
+    if smeared := part.get("smeared"):
+        of, loss = _smeared(smeared, part["thickness"], offset), smeared.get("loss_factor", 0.0)
+        return of, Section(loss * of.A, loss * of.B, loss * of.D, loss * of.S), part["thickness"]
+    laid = plies(model, name)
+    both = [section(laid, offset, lossy=lossy) for lossy in (False, True)]
+    bond = part["layers"]["bond"] if "layers" in part and "bond" in part["layers"] else 1.0
+    if bond < 1.0:  # the share of the way from boards that bend alone, about the middle of all
+        alone = [sum(section([one], lossy=lossy).D for one in laid) for lossy in (False, True)]
+        both = [
+            Section(of.A, bond * of.B, bond * of.D + (1 - bond) * D, of.S, of.mass)
+            for of, D in zip(both, alone, strict=True)
+        ]
+    if _unstretched(part):
+        both = [Section(_STIFF * of.A, of.B, of.D, of.S, of.mass) for of in both]
+    return both[0], both[1], float(sum(one.thickness for one in laid))
+
+
+def _moves_along(model: Model, part: Mapping[str, Any]) -> bool:
+    """Whether a plate moves in its plane: as it says, or where something pulls it that way."""
+    pulled = any(one["type"] == "foundation" and "shear" in one.get("stiffness", {}) for one in model["parts"].values())
+    return pulled or part.get("in_plane") == "elastic"
+
+
+def _unstretched(part: Mapping[str, Any]) -> bool:
+    """Whether it moves there as a body."""
+    return part["type"] == "plate" and (part.get("element") == "hermite12" or part.get("in_plane") == "rigid")
+
+
+def _rectangle(sides: Any, middle: Any) -> Box:
+    (sx, sy), (x, y) = sides, middle
+    return x - sx / 2, x + sx / 2, y - sy / 2, y + sy / 2
 
 
 def _smeared(said: Mapping[str, Any], h: float, offset: float) -> Section:
@@ -153,6 +199,8 @@ class Form:
             T = np.eye(self.size)
         rows = {}
         for name, point in model["points"].items():
+            if point["on"] not in self.sheets:
+                continue
             sheet = self.sheets[point["on"]]
             at = np.array([point["at"]], float)
             moved = [sheet.own(at, 0.0)[0], sheet.turns(at)[0]]
@@ -166,8 +214,9 @@ class Form:
         found = np.zeros((3, self.size))
         for sheet in self.sheets.values():
             n = sheet.panel.n**2
-            for k in (W,) if sheet.panel.thin else (U, V, W):
-                found[:, sheet.first + (0 if sheet.panel.thin else k * n)] += sheet.R[k]
+            for place, k in enumerate(sheet.panel.fields):
+                if k in (U, V, W):
+                    found[:, sheet.first + place * n] += sheet.R[k]
         return found
 
 
@@ -175,8 +224,10 @@ def _spots(form: Form, name: str, region: Any, per_length: bool = False) -> Spot
     """Gauss's places of a region of a sheet, or of a line or a rim along its length."""
     panel = form.sheets[name].panel
     if region in (None, "whole"):
-        x, y, w = panel.points()
-        return np.column_stack([x, y]), w
+        boxes = [panel.points(), *(panel.points(box) for box in form.sheets[name].holes)]
+        signs = [1.0] + [-1.0] * (len(boxes) - 1)
+        x, y, w = (np.concatenate(one) for one in zip(*boxes, strict=True))
+        return np.column_stack([x, y]), w * np.repeat(signs, [len(one[0]) for one in boxes])
     if "line" in region:
         return _along(panel, np.array(region["line"], float))
     sides = np.array(region.get("rectangle", region.get("rim")), float)
@@ -197,7 +248,8 @@ def _along(panel: Panel, ends: Floats) -> Spots:
 
 
 def _foundation(form: Form, part: Mapping[str, Any], _: Model) -> None:
-    sizes = [part["stiffness"].get(key, 0.0) for key in ("shear", "shear", "normal")]
+    said = part.get("stiffness") or {"normal": LAYERS[part["like"]]}
+    sizes = [said.get(key, 0.0) for key in ("shear", "shear", "normal")]
     loss = part.get("loss_factor", 0.0)
     if "on" in part:
         name = part["on"]
@@ -299,6 +351,18 @@ def _support(form: Form, said: Mapping[str, Any]) -> None:
             form.springs(rows, size * w[:, None], said.get("loss_factor", 0.0))
     else:
         panel.hold(edge or "", _HARD.get(said["fix"], said["fix"]))
+
+
+def _rests(form: Form, said: Mapping[str, Any], model: Model) -> None:
+    """A block that moves up and down as the rigid motion which fits a region of a level sheet best."""
+    point, of = model["points"][said["average"]], said["of"]
+    block, sheet = model["parts"][point["on"]], form.sheets[of["on"]]
+    local, w = _spots(form, of["on"], {key: of[key] for key in ("rectangle", "at")})
+    off = local + sheet.corner[:2] - np.add(block["origin"], point["at"])[:2]
+    fit = np.column_stack([np.ones(len(w)), off[:, 1], -off[:, 0]])  # of heave and turns about x and y to deflections
+    best = np.linalg.solve((fit.T * w) @ fit, fit.T * w)[0]
+    row = best @ form.whole(of["on"], sheet.own(local, 0.0)[:, 2])
+    form.M += block["mass"] * np.outer(row, row)
 
 
 _HANGS = {"foundation": _foundation, "hangers": _hangers, "mass": _mass, "spring": _spring}
