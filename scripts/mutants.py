@@ -5,14 +5,17 @@
 Mutants are made by the operators of cosmic-ray (`pip install '.[mutants]'`), in copies of the packages. A subject is
 drawn first (elements, joints, losses, ..), then a place in its code, then one of the operators that apply there: large
 files do not hide small ones. Annotations, decorators, `raise` statements and texts of messages are left out, for they
-change no number; so are the kinds of exceptions that are caught. Each mutant meets `scripts/verify.py` alone, those of
-its subject first; tests are not run. Found is what differs from the verdicts of the unchanged code: wrong, refused,
-told or crashed. What survives is listed with its line, to be read: it is equivalent, or a place that no check reaches.
+change no number; so are the kinds of exceptions that are caught and the `strict` of `zip`. Each mutant meets
+`scripts/verify.py` alone; tests are not run. A first run of the unchanged code keeps its verdicts and which lines each
+capability executes: those that execute the line come first, the quickest before the others; where none does, those of
+its function, of its file, of its subject. Found is what differs from the verdicts of the unchanged code: wrong,
+refused, told or crashed. What survives is listed with its line, to be read: it is equivalent, or a place that no check reaches.
 """
 
 import argparse
 import ast
 import difflib
+import json
 import os
 import random
 import shutil
@@ -25,6 +28,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 TOP = Path(__file__).resolve().parents[1]
 
@@ -45,7 +49,7 @@ SUBJECTS: Mapping[str, tuple[str, ...]] = {
     "sweeps": ("femstruct/campaign", "femstruct/study/campaign"),
 }
 
-# Capabilities of the machine that come first, by parts of their names; all the others follow.
+# Capabilities of the machine that are for a subject, by parts of their names.
 FIRST: Mapping[str, tuple[str, ...]] = {
     "elements": ("elements", "any answer", "slabs", "plates", "solids", "closed form"),
     "joints": ("joints", "bars", "slabs: two", "limits", "any answer"),
@@ -91,6 +95,8 @@ def _spans_without_numbers(source: str) -> list[tuple[tuple[int, int], tuple[int
             found = [node.value]
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
             found = [node]
+        elif isinstance(node, ast.keyword) and node.arg == "strict":  # of zip: sequences of one length by design
+            found = [node.value]
         there = [each for each in found if each is not None]
         spans += [((each.lineno, each.col_offset), (each.end_lineno or 0, each.end_col_offset or 0)) for each in there]
     return spans
@@ -136,14 +142,14 @@ def drawn(count: int, seed: int, subjects: Sequence[str]) -> list[Mutant]:
     return chosen
 
 
-def _checked(tree: Path, faults: Path, options: argparse.Namespace, subject: str = "") -> tuple[str, list[str]]:
+def _checked(
+    tree: Path, faults: Path, options: argparse.Namespace, names: Sequence[str] = (), words: Sequence[str] = ()
+) -> tuple[str, list[str]]:
     """What the machine says of a tree: "found" or "survived", and its last lines. faults : where it writes models;
-    subject : whose capabilities come first. Without one the tree is the unchanged one, whose verdicts are kept."""
+    names : capabilities, in this order, all if none. words : more of the command."""
     command = [sys.executable, "scripts/verify.py", "--limit", "60", "--seed", str(options.checks_seed)]
     command += ["--verdicts", str(options.output.resolve() / "verdicts.json"), "-o", str(faults)]
-    command += ["--workers", "1" if subject else str(options.workers), "--seconds", str(options.seconds)]
-    command += ["--until-fault"] if subject else []
-    command += [word for part in FIRST.get(subject, ()) for word in ("--first", part)]
+    command += [part for name in names for part in ("--named", name)] + list(words)
     env = {"PYTHONPATH": f"{tree}:{tree / 'scripts'}", "OMP_NUM_THREADS": "1"}
     env["FEMSTRUCT_CACHE"] = str(options.output.resolve() / "kernels")  # those that a mutant leaves alone are shared
     try:
@@ -153,13 +159,46 @@ def _checked(tree: Path, faults: Path, options: argparse.Namespace, subject: str
             env={**os.environ, **env},
             capture_output=True,
             text=True,
-            timeout=options.seconds * 1.5 + 120,
+            timeout=3 * options.seconds + 120 if names else None,
         )
     except subprocess.TimeoutExpired:
         return "found", ["it never ended"]
     found = [path.read_text(encoding="utf-8") for path in sorted(faults.glob("*.yaml"))]
     lines = "\n".join([*found, ended.stdout, ended.stderr]).strip().splitlines()
     return "survived" if ended.returncode == 0 else "found", lines
+
+
+def _functions(source: str) -> Iterator[range]:
+    """Lines of the bodies of functions, outer ones first."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef):
+            yield range(node.body[0].lineno, (node.end_lineno or node.lineno) + 1)
+
+
+def _statement(source: str, line: int) -> range:
+    """Lines of the innermost statement around a line; of a compound one its head."""
+    found = range(line, line + 1)
+    for node in ast.walk(ast.parse(source)):  # outer ones come first
+        if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or node.lineno):
+            body = getattr(node, "body", None)
+            last = body[0].lineno - 1 if body else node.end_lineno or node.lineno
+            found = range(node.lineno, max(last, line) + 1)
+    return found
+
+
+def _who_meets(mutant: Mutant, source: str, reached: Mapping[str, Mapping[str, Any]]) -> tuple[str, list[str]]:
+    """Capabilities that execute the changed line, or else its function or file, the quickest first; or those of its
+    subject, where no line is known, as in compiled kernels. How near they come is told, too."""
+    bodies = list(_functions(source))
+    around = [set(body) for body in bodies if mutant.line in body]
+    anywhere = set().union(*bodies)
+    quickest = sorted(reached, key=lambda name: float(reached[name]["seconds"]))
+    near: dict[str, set[int]] = {"line": set(_statement(source, mutant.line)), "function": around[-1]} if around else {}
+    for how, lines in (near | {"file": anywhere}).items():
+        names = [name for name in quickest if lines & set(reached[name]["lines"].get(mutant.file, ()))]
+        if names:
+            return how, names
+    return "subject", [name for name in quickest if any(part in name for part in FIRST[mutant.subject])]
 
 
 def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, float]:
@@ -178,10 +217,16 @@ def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, floa
         if code is None:
             return mutant, "does not apply", 0.0
         changed.write_text(code, encoding="utf-8")
-        word, lines = _checked(copy, copy / "faults", options, mutant.subject)
+        near, names = _who_meets(mutant, before, json.loads((options.output / "reached.json").read_text()))
+        seconds = options.seconds / (3 if near == "function" else 1)
+        words = ["--workers", "1", "--until-fault", "--seconds", str(seconds)]
+        word, lines = _checked(copy, copy / "faults", options, names, words)
     difference = difflib.unified_diff(before.splitlines(), code.splitlines(), lineterm="", n=1)
     kept = options.output / f"{word}_{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
-    kept.write_text("\n".join([str(mutant), *difference, *lines[:60]]) + "\n", encoding="utf-8")
+    kept.write_text(
+        "\n".join([f"{mutant}: {len(names)} capabilities meet its {near}", *difference, *lines[:60]]) + "\n",
+        encoding="utf-8",
+    )
     return mutant, word, time.monotonic() - began
 
 
@@ -194,6 +239,7 @@ def main() -> int:
         "--checks-seed", type=int, default=1, help="draws the random models; the unchanged code must pass"
     )
     parser.add_argument("--seconds", type=float, default=150.0, help="of checks for one mutant")
+    parser.add_argument("--checks", type=int, default=3, help="of each capability on the unchanged code")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--subjects", nargs="*", choices=sorted(SUBJECTS), default=sorted(SUBJECTS))
     parser.add_argument("--list", action="store_true", help="print the mutants that are drawn, and run nothing")
@@ -210,7 +256,9 @@ def main() -> int:
         return 0
     options.output.mkdir(parents=True, exist_ok=True)
     (options.output / "verdicts.json").unlink(missing_ok=True)
-    word, lines = _checked(TOP, options.output / "unchanged", options)
+    words = ["--workers", str(options.workers), "--seconds", "600", "--count", str(options.checks)]
+    words += ["--reached", str(options.output.resolve() / "reached.json")]
+    word, lines = _checked(TOP, options.output / "unchanged", options, words=words)
     if word == "found":
         print("\n".join(["the unchanged code has a fault with these seeds: mend it first", *lines]), file=sys.stderr)
         return 2

@@ -32,14 +32,17 @@ def main() -> int:
     ask.add_argument("--limit", type=float, default=30.0, help="seconds of one check")
     ask.add_argument("--coverage", action="store_true", help="which keys and answers checks reach, kept if more")
     ask.add_argument("--until-fault", action="store_true", help="end at the first fault")
-    ask.add_argument("--first", action="append", default=[], help="part of the names that come first")
+    ask.add_argument("--named", action="append", help="a whole name; in the order given")
     ask.add_argument("--verdicts", type=Path, help="of a program before it was changed, from which none may differ; "
                      "written if it is not there")  # fmt: skip
+    ask.add_argument("--reached", type=Path, help="written: seconds and lines of the packages of each capability; "
+                     "needs '.[mutants]'")  # fmt: skip
     ask.add_argument("-o", type=Path, help="folder for models that fail")
     given = ask.parse_args()
     wanted = given.capability or [""]
     chosen = [one for name, one in framework.capabilities().items() if any(part in name for part in wanted)]
-    chosen.sort(key=lambda one: not any(part in one.name for part in given.first))
+    if given.named:
+        chosen = [framework.capabilities()[name] for name in given.named]
     if given.coverage:
         return _coverage(chosen, given.seed, given.seconds, given.count or 2)
     kept = json.loads(given.verdicts.read_text()) if given.verdicts and given.verdicts.exists() else None
@@ -48,12 +51,14 @@ def main() -> int:
         found = [running.check(one, given.seed, given.only, given.limit) for one in chosen]
     else:
         plan = (given.seed, given.seconds, given.workers, given.count, given.limit, given.until_fault)
-        found = running.run(chosen, *plan, fault)
+        found = running.run(chosen, *plan, fault, given.reached is not None)
     print(f"seed {given.seed}\n{running.table(chosen, found)}")
     for path in running.write(found, given.o) if given.o else ():
         print(f"wrote {path}")
     if given.verdicts and kept is None:
         given.verdicts.write_text(json.dumps({f"{one.capability} {one.index}": one.verdict for one in found}, indent=0))
+    if given.reached:
+        given.reached.write_text(json.dumps(running.reached(found)))
     checked = any(one.verdict not in ("refused", "generator") for one in found)
     return int(not checked or any(map(fault, found)))
 

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Literal
@@ -28,7 +28,8 @@ _TRIES = 60  # of the shrinker a failing model
 
 @dataclass(frozen=True)
 class Checked:
-    """What one check found. off : distance over tolerance; model : text of the failing model, shrunk."""
+    """What one check found. off : distance over tolerance; model : text of the failing model, shrunk; lines : of the
+    program that it executed, by file, where that is asked for."""
 
     capability: str
     index: int
@@ -38,6 +39,8 @@ class Checked:
     right: tuple[float, ...] = ()
     words: str = ""
     model: str = ""
+    seconds: float = 0.0
+    lines: Mapping[str, Sequence[int]] = field(default_factory=dict)
 
 
 class _Late(BaseException):
@@ -175,8 +178,26 @@ def check(one: Capability, seed: int, index: int, limit: float = 30.0, shrink: b
     return replace(found, model=as_yaml(case.model)) if told else found
 
 
-def _check_named(name: str, seed: int, index: int, limit: float, shrink: bool) -> Checked:
-    return check(capabilities()[name], seed, index, limit, shrink)
+def _check_named(name: str, seed: int, index: int, limit: float, shrink: bool, trace: bool) -> Checked:
+    one = capabilities()[name]
+    return traced(one, seed, index, limit) if trace else check(one, seed, index, limit, shrink)
+
+
+def traced(one: Capability, seed: int, index: int, limit: float = 30.0) -> Checked:
+    """A check, its seconds, and which lines of the packages it executed; compiled kernels have none."""
+    from coverage import Coverage  # an extra of those who plant mutants
+
+    began, top = time.monotonic(), Path(__file__).resolve().parents[2]
+    watch = Coverage(data_file=None, include=[f"{top / name}/*" for name in ("femstruct", "acoustics")])
+    watch.set_option("run:disable_warnings", ["no-data-collected"])
+    watch.start()
+    try:
+        found = check(one, seed, index, limit, shrink=False)
+    finally:
+        watch.stop()
+    data = watch.get_data()
+    lines = {str(Path(file).relative_to(top)): sorted(data.lines(file) or ()) for file in data.measured_files()}
+    return replace(found, seconds=time.monotonic() - began, lines={file: some for file, some in lines.items() if some})
 
 
 def is_fault(one: Checked) -> bool:
@@ -191,11 +212,11 @@ def differs(kept: Mapping[str, str]) -> Callable[[Checked], bool]:
 
 def run(
     chosen: Sequence[Capability], seed: int, seconds: float, workers: int = 1, count: int | None = None,
-    limit: float = 30.0, until_fault: bool = False, fault: Callable[[Checked], bool] = is_fault,
+    limit: float = 30.0, until_fault: bool = False, fault: Callable[[Checked], bool] = is_fault, trace: bool = False,
 ) -> list[Checked]:  # fmt: skip
     """Checks in turn of the capabilities until the time is over, or `count` of each is done; in the order drawn.
 
-    until_fault : no new check is begun after the first fault, and none is shrunk.
+    until_fault : no new check is begun after the first fault, and none is shrunk; trace : with their lines.
     """
     end = time.monotonic() + seconds
     indices = range(count) if count is not None else itertools.count()
@@ -207,19 +228,30 @@ def run(
 
     if workers == 1:
         for one, index in itertools.takewhile(lambda _: goes_on(), jobs):
-            done.append(check(one, seed, index, limit, not until_fault))
+            done.append(_check_named(one.name, seed, index, limit, not until_fault, trace))
         return done
     waiting: set[Future[Checked]] = set()
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         while True:
             while len(waiting) < 2 * workers and goes_on() and (job := next(jobs, None)):
-                waiting.add(pool.submit(_check_named, job[0].name, seed, job[1], limit, not until_fault))
+                waiting.add(pool.submit(_check_named, job[0].name, seed, job[1], limit, not until_fault, trace))
             if not waiting:
                 break
             ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
             done += [one.result() for one in ready]
     place = {one.name: number for number, one in enumerate(chosen)}
     return sorted(done, key=lambda one: (one.index, place[one.capability]))
+
+
+def reached(found: Sequence[Checked]) -> dict[str, dict[str, Any]]:
+    """By capability: seconds of its quickest check (the first may have compiled), and lines of its checks by file."""
+    by_name: dict[str, dict[str, Any]] = {}
+    for one in found:
+        known = by_name.setdefault(one.capability, {"seconds": math.inf, "lines": {}})
+        known["seconds"] = min(known["seconds"], one.seconds)
+        for file, lines in one.lines.items():
+            known["lines"][file] = sorted({*known["lines"].get(file, ()), *lines})
+    return by_name
 
 
 def interval(faults: int, checks: int) -> tuple[float, float]:
