@@ -3,13 +3,14 @@
     python scripts/mutants.py --count 40 --seed 7 --workers 2 -o results/mutants
 
 Mutants are made by the operators of cosmic-ray (`pip install '.[mutants]'`), in copies of the packages. A subject is
-drawn first (elements, joints, losses, ..), then a place in its code, then one of the operators that apply there: large
-files do not hide small ones. Annotations, decorators, `raise` statements and texts of messages are left out, for they
-change no number; so are the kinds of exceptions that are caught and the `strict` of `zip`. Each mutant meets
-`scripts/verify.py` alone; tests are not run. A first run of the unchanged code keeps its verdicts and which lines each
-capability executes: those that execute the line come first, the quickest before the others; where none does, those of
-its function, of its file, of its subject. Found is what differs from the verdicts of the unchanged code: wrong,
-refused, told or crashed. What survives is listed with its line, to be read: it is equivalent, or a place that no check reaches.
+drawn first (elements, joints, losses, ..), then a place in its code, then one of the operators that apply there:
+large files do not hide small ones. Annotations, decorators, `raise` statements and texts of messages are left out,
+for they change no number; so are the kinds of exceptions that are caught and the `strict` of `zip`. Each mutant meets
+`scripts/verify.py` alone; tests are not run. A first run of the unchanged code keeps its verdicts and which lines
+each capability executes: those that execute the line come first, the quickest before the others; where none does,
+those of its function, of its file, of its subject. Found is what differs from the verdicts of the unchanged code:
+wrong, refused, told or crashed. What survives is listed with its line, to be read: it is equivalent, or a place that
+no check reaches.
 """
 
 import argparse
