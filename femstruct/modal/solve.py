@@ -17,8 +17,8 @@ from femstruct.modal.krylov import Krylov, converge
 from femstruct.sparse.solvers import FASTEST
 
 MOST_MODES = 3000  # they take minutes, and gigabytes in anything that rings for a while
-# Modes times degrees of freedom: the search holds some five numbers for each, which are 4 GB, and takes minutes.
-MOST_COMPONENTS = 100_000_000
+# Modes times degrees of freedom: the search holds some five numbers for each, which are 6 GB, and takes minutes.
+MOST_COMPONENTS = 150_000_000
 _DENSE = 300  # degrees of freedom up to which full matrices cost less than the set-up of Lanczos
 # A rigid mode strains nothing but rounding: 1e-16 of the terms of phi^T K phi at most on plates, frames and joints
 # of all sizes tried. The softest elastic mode of a 400 x 400 plate has 1e-12, of a floor on springs at 0.2 Hz 1e-11.
