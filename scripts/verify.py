@@ -41,6 +41,9 @@ def main() -> int:
     given = ask.parse_args()
     wanted = given.capability or [""]
     chosen = [one for name, one in framework.capabilities().items() if any(part in name for part in wanted)]
+    if not chosen:
+        names = "".join(f"\n  {name}" for name in framework.capabilities())
+        ask.error(f"--capability: got {' '.join(wanted)}, expected a part of the name of a capability:{names}")
     if given.named:
         chosen = [framework.capabilities()[name] for name in given.named]
     if given.coverage:

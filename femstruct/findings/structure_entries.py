@@ -254,6 +254,15 @@ STRUCTURE: Final = (
         "Give both parts the same nodes where they touch, or write a seam.",
     ),
     Entry(
+        "joint-at-a-point",
+        "Two plates, shells or solids are joined at one point alone.",
+        FORBIDS,
+        "all nodes that a joint without springs holds together are at one place, and both parts have cells: under a "
+        "force at a point a plate turns, and a solid gives way, without limit as cells get smaller",
+        "See whether the parts are where they are meant to be. Where they are, state a stiffness of the joint, or let "
+        "them overlap.",
+    ),
+    Entry(
         "parts-share-nodes",
         "Parts of one mesh file are joined at the nodes that they share there.",
         REMARK,

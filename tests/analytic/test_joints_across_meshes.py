@@ -406,3 +406,18 @@ joints: {{j: {{connect: [a, b], stiffness: {{z: 3 MN/m^2, ry: 40 kN*m/m}}}}}}
         path.write_text(written, encoding="utf-8")
         (joint,) = read_model(path).structure.joints
         assert (joint.per, dict(joint.stiffness)) == (per, {"z": 3e6, "ry": 4e4})
+
+
+def test_sheets_that_touch_at_a_corner_alone_are_said_to() -> None:
+    """A square of the same corner is shifted along its neighbour's edge until one corner is left."""
+    square = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+
+    def beside(shift: float) -> dict[str, bool]:
+        slabs = (
+            fs.Slab("a", CONCRETE, 0.1, square, mesh=0.25),
+            fs.Slab("b", CONCRETE, 0.1, square, mesh=0.25, origin=(1.0, shift, 0.0)),
+        )
+        return findings_of(fs.mesh_structure(fs.Structure("s", slabs, (fs.Joint("j", "a", "b"),))))
+
+    assert beside(1.0) == {"joint-at-a-point": True}
+    assert beside(0.0) == beside(0.75) == {}

@@ -39,7 +39,13 @@ def fault_of(expected: Path, folder: Path) -> str:
         got = float(_at(json.loads(ended.stdout), str(told["value"])))
     except (KeyError, TypeError, ValueError) as error:
         return f"{expected.name}: value: {error}"
-    right, within = float(told["right"]), float(str(told["within"]).removesuffix("%")) / 100.0
+    try:
+        right = float(told["right"])
+        within = float(str(told["within"]).removesuffix("%")) / 100.0
+    except ValueError as error:
+        return f"{expected.name}: {error}, expected 'right' as a number in the unit of the answer, 'within' as '0.5 %'"
+    if "%" not in str(told["within"]):
+        return f"{expected.name}: within: got {told['within']}, expected a share such as '0.5 %'"
     if abs(got - right) <= within * abs(right):
         return ""
     return (

@@ -355,9 +355,10 @@ def keep(found: Sequence[Reached]) -> None:
 
 
 def table(covered: frozenset[tuple[str, str]]) -> str:
-    """x where a check reaches, o where none does; the share of all."""
+    """x where a check reaches, o where none does yet, blank where no answer is expected to change; the share of all."""
     every = cells()
-    rows = [f"{'key':56} {' '.join(COLUMNS)}"]
+    rows = ["x: a change of the key moves this answer, and the program follows; o: not shown yet; blank: not asked for"]
+    rows += [f"{'key':56} {' '.join(COLUMNS)}"]
     for name in dict.fromkeys(name for name, _ in every):
         can = [column for key, column in every if key == name]
         marks = [

@@ -122,8 +122,8 @@ WRONG = {  # law: what stands where the message points, the message
     "{type: linear, restitution: 0.5}": ("{type", "got none of stiffness, duration, expected exactly one"),
     "{type: linear, stiffness: 1, restitution: 1.2}": ("1.2", "restitution: got 1.2, expected a ratio of at most 1"),
     "{type: linear, stiffness: 1, restitution: 0}": ("0}", "restitution: got 0 of a contact that does not pull, "
-        "expected a positive value; for a body that stays write 'tensile: true' beside it; for one that hardly returns "
-        "write 'restitution: 5 %'"),
+        "expected a positive value; for a blow that gives nothing back write 'tensile: true' beside it; for one that "
+        "hardly returns write 'restitution: 5 %'"),
     "{type: linear, tensile: true, duration: 2 ms, restitution: 0}": ("0}", "restitution: got 0 with a duration, "
         "expected a stiffness"),
     "{type: linear, stiffness: 1, restitution: -0.1}": ("-0.1", "restitution: got -0.1, expected a ratio of at least"),

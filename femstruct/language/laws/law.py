@@ -20,7 +20,10 @@ from femstruct.units import QuantityError, power_stiffness
 Positive = Annotated[float, Quantity(("stiffness",), above=0.0)]
 _PERCENT: Final = "30 % is 0.3: did you mean {number:g} %?"
 HARDLY: Final = "for one that hardly returns write 'restitution: 5 %'"
-STAYS: Final = f"for a body that stays write '{{type: linear, stiffness: .., tensile: true, restitution: 0}}'; {HARDLY}"
+STAYS: Final = (
+    "for a blow that gives nothing back write '{type: linear, stiffness: .., tensile: true, restitution: 0}'; "
+    f"{HARDLY}"
+)
 Restitution = Annotated[float, Quantity(("ratio",), above=0.0, most=1.0, too_large=_PERCENT, at_limit=STAYS)]
 AnyRestitution = Annotated[
     float, Quantity(("ratio",), least=0.0, most=1.0, too_large=_PERCENT, too_small="remove the sign")

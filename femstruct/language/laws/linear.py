@@ -13,7 +13,8 @@ from femstruct.language.yaml import Quantity
 class LinearSpec(LawSpec):
     """f = k d + c d', spring and dashpot side by side (Kelvin and Voigt): k and c, or the restitution with k or with
     the duration of the contact. These count for the body alone against a wall, two bodies by their reduced mass. With
-    tensile: true the restitution may be 0: the ends stay together."""
+    tensile: true the restitution may be 0: nothing is given back, and the ends part only where something else pulls
+    them apart, as a plate that swings back faster than a body falls."""
 
     one_of = (("stiffness", "duration"),)
     at_most_one_of = (("damping", "restitution"),)
@@ -38,7 +39,7 @@ class LinearSpec(LawSpec):
                 there.wrong(
                     "0 of a contact that does not pull",
                     "a positive value",
-                    f"for a body that stays write 'tensile: true' beside it; {HARDLY}",
+                    f"for a blow that gives nothing back write 'tensile: true' beside it; {HARDLY}",
                 )
                 return None
             if self.stiffness is None:

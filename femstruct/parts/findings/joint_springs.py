@@ -66,10 +66,27 @@ def joint_open_findings(model: Model) -> tuple[Finding, ...]:
         if any(part.box is not None for part in parts) or not rows:
             continue
         joined = np.unique(np.concatenate([one.indices for one in rows]) // N_COMPONENTS).astype(np.int64)
+        found += _at_a_point(joint, model, joined)
         for one, other in (parts, parts[::-1]):
             if other.has_cells and (one.has_cells or len(one.lines)):
                 found += _armed(joint, model, one, other) if joint.reach else _open(joint, model, one, other, joined)
     return tuple(found)
+
+
+def _at_a_point(joint: Joint, model: Model, joined: Integers) -> list[Finding]:
+    """Plates, shells or solids that a rigid joint holds together at one place of both alone."""
+    parts = model.parts[joint.a], model.parts[joint.b]
+    if joint.stiffness or not all(part.has_cells for part in parts):
+        return []
+    places = model.mesh.points[joined]
+    if np.ptp(places, axis=0).max() > _TOUCHING * _size(model):
+        return []
+    at = ", ".join(f"{value:.4g}" for value in places[0])
+    message = (
+        f"{joint.name}: {joint.a} and {joint.b} touch at one point alone, ({at}) m: a joint there gets softer "
+        "without limit as the mesh gets finer"
+    )
+    return [Finding("joint-at-a-point", message, {"places": 1}, severe=True)]
 
 
 def _armed(joint: Joint, model: Model, one: Meshed, other: Meshed) -> list[Finding]:
