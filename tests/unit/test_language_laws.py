@@ -128,8 +128,8 @@ WRONG = {  # law: what stands where the message points, the message
         "expected a stiffness"),
     "{type: linear, stiffness: 1, restitution: -0.1}": ("-0.1", "restitution: got -0.1, expected a ratio of at least"),
     **{
-        f"{{type: {law}, restitution: 0}}": ("0}", "restitution: got 0, expected a positive value: a ratio; for a body"
-            " that stays write '{type: linear, stiffness: .., tensile: true, restitution: 0}'")
+        f"{{type: {law}, restitution: 0}}": ("0}", "restitution: got 0, expected a positive value: a ratio; for a"
+            " blow that gives nothing back write '{type: linear, stiffness: .., tensile: true, restitution: 0}'")
         for law in ("hunt-crossley, stiffness: 1", "flores, stiffness: 1", "lankarani-nikravesh, stiffness: 1",
             "cubic, cubic: 1", "table, curve: [[0, 0], [1, 1]]")
     },
