@@ -48,88 +48,83 @@ from acoustics.rooms.box_pressure import pressure
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
 
 if TYPE_CHECKING:
-    from acoustics.cavities.cavity import Cavity
-    from acoustics.cavities.cavity_air import CavityAir, cavity_air
-    from acoustics.cavities.equivalent_fluid import Wool
     from acoustics.fields.half_space import HalfSpace
     from acoustics.fields.rectangular import Room
     from acoustics.fields.shaped import ShapedRoom
     from acoustics.fields.sound_field import SoundField, air_stiffness_ratio
     from acoustics.levels.bands import octave_bands, third_octave_bands
-    from acoustics.levels.decay import reverberation_time
-    from acoustics.levels.exposure import force_exposure_levels
-    from acoustics.levels.iso import (
+    from acoustics.levels.rated import RatedRoom, rate_room
+    from acoustics.levels.sound_energy import SoundEnergy, radiated_energy
+    from acoustics.levels.sound_levels import (
+        Levels,
+        equivalent_levels,
+        force_exposure_levels,
+        level_history,
+        level_spectrum,
+        response_levels,
+        reverberation_time,
+        sound_levels,
+    )
+    from acoustics.levels.standards import (
         HeavyImpactRating,
+        ImpactGrade,
         ImpactRating,
+        InverseALevel,
         energy_average,
         heavy_impact_level,
+        impact_grade,
+        inverse_a_level,
         normalised_impact_level,
         standardised_impact_level,
         standardised_maximum_level,
         weighted_impact_level,
     )
-    from acoustics.levels.jis_ks import ImpactGrade, InverseALevel, impact_grade, inverse_a_level
-    from acoustics.levels.rated import RatedRoom, rate_room
-    from acoustics.levels.sound_levels import (
-        Levels,
-        equivalent_levels,
-        level_history,
-        level_spectrum,
-        response_levels,
-        sound_levels,
+    from acoustics.levels.statistical import (
+        DiffuseRoom,
+        InfinitePlate,
+        RadiatingPlate,
+        band_exposures,
+        diffuse_radiation,
+        isotropic_plate,
+        largest_levels,
+        steady_levels,
     )
     from acoustics.levels.weighting import frequency_weighting, time_weighted, weighted
     from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
     from acoustics.meshed.finite_elements import CavityModes, cavity_modes
     from acoustics.meshed.meshed_pressure import cavity_pressure
     from acoustics.meshed.walls import Wall, YieldingWall, absorbing
-    from acoustics.open_air.directivity import Directivity, radiation_pattern
-    from acoustics.open_air.radiated_power import (
+    from acoustics.open_air.power import (
+        Directivity,
         radiated_power,
         radiation_efficiency,
         radiation_impedance,
         radiation_modes,
+        radiation_pattern,
     )
-    from acoustics.open_air.sound_energy import SoundEnergy, radiated_energy
     from acoustics.open_air.sphere import Sphere, sphere_pressures
-    from acoustics.rooms.pressure_maps import PressureMap, pressure_map
-    from acoustics.statistical.diffuse_radiation import diffuse_radiation
-    from acoustics.statistical.energies import (
-        DiffuseRoom,
-        RadiatingPlate,
-        band_exposures,
-        largest_levels,
-        steady_levels,
-    )
-    from acoustics.statistical.infinite_plate import InfinitePlate, isotropic_plate
+    from acoustics.rooms.box_harmonic import PressureMap, pressure_map
+    from acoustics.rooms.cavities import Cavity, CavityAir, Wool, cavity_air
 
 # What needs scipy.signal, scipy.linalg or scikit-fem is slow to import: it is fetched when first asked for (PEP 562).
 _FETCHED = {
-    "acoustics.cavities.cavity": ("Cavity",),
-    "acoustics.cavities.cavity_air": ("CavityAir", "cavity_air"),
-    "acoustics.cavities.equivalent_fluid": ("Wool",),
+    "acoustics.rooms.cavities": (
+        "Cavity",
+        "CavityAir",
+        "cavity_air",
+        "Wool",
+    ),
     "acoustics.fields.half_space": ("HalfSpace",),
     "acoustics.fields.rectangular": ("Room",),
     "acoustics.fields.shaped": ("ShapedRoom",),
-    "acoustics.fields.sound_field": ("SoundField", "air_stiffness_ratio"),
-    "acoustics.meshed.meshed_pressure": ("cavity_pressure",),
-    "acoustics.levels.decay": ("reverberation_time",),
-    "acoustics.open_air.directivity": ("Directivity", "radiation_pattern"),
-    "acoustics.levels.exposure": ("force_exposure_levels",),
-    "acoustics.meshed.finite_elements": ("CavityModes", "cavity_modes"),
-    "acoustics.levels.jis_ks": ("ImpactGrade", "InverseALevel", "impact_grade", "inverse_a_level"),
-    "acoustics.open_air.radiated_power": (
-        "radiated_power",
-        "radiation_efficiency",
-        "radiation_impedance",
-        "radiation_modes",
+    "acoustics.fields.sound_field": (
+        "SoundField",
+        "air_stiffness_ratio",
     ),
-    "acoustics.rooms.pressure_maps": ("PressureMap", "pressure_map"),
-    "acoustics.meshed.cavity_mesh": ("CavityMesh", "box_mesh"),
-    "acoustics.open_air.sphere": ("Sphere", "sphere_pressures"),
-    "acoustics.meshed.walls": ("Wall", "YieldingWall", "absorbing"),
-    "acoustics.levels.bands": ("octave_bands", "third_octave_bands"),
+    "acoustics.meshed.meshed_pressure": ("cavity_pressure",),
     "acoustics.levels.sound_levels": (
+        "reverberation_time",
+        "force_exposure_levels",
         "Levels",
         "equivalent_levels",
         "level_history",
@@ -137,8 +132,23 @@ _FETCHED = {
         "response_levels",
         "sound_levels",
     ),
-    "acoustics.levels.rated": ("RatedRoom", "rate_room"),
-    "acoustics.levels.iso": (
+    "acoustics.open_air.power": (
+        "Directivity",
+        "radiation_pattern",
+        "radiated_power",
+        "radiation_efficiency",
+        "radiation_impedance",
+        "radiation_modes",
+    ),
+    "acoustics.meshed.finite_elements": (
+        "CavityModes",
+        "cavity_modes",
+    ),
+    "acoustics.levels.standards": (
+        "ImpactGrade",
+        "InverseALevel",
+        "impact_grade",
+        "inverse_a_level",
         "HeavyImpactRating",
         "ImpactRating",
         "energy_average",
@@ -148,17 +158,50 @@ _FETCHED = {
         "standardised_maximum_level",
         "weighted_impact_level",
     ),
-    "acoustics.open_air.sound_energy": ("SoundEnergy", "radiated_energy"),
-    "acoustics.levels.weighting": ("frequency_weighting", "time_weighted", "weighted"),
-    "acoustics.statistical.diffuse_radiation": ("diffuse_radiation",),
-    "acoustics.statistical.energies": (
+    "acoustics.rooms.box_harmonic": (
+        "PressureMap",
+        "pressure_map",
+    ),
+    "acoustics.meshed.cavity_mesh": (
+        "CavityMesh",
+        "box_mesh",
+    ),
+    "acoustics.open_air.sphere": (
+        "Sphere",
+        "sphere_pressures",
+    ),
+    "acoustics.meshed.walls": (
+        "Wall",
+        "YieldingWall",
+        "absorbing",
+    ),
+    "acoustics.levels.bands": (
+        "octave_bands",
+        "third_octave_bands",
+    ),
+    "acoustics.levels.rated": (
+        "RatedRoom",
+        "rate_room",
+    ),
+    "acoustics.levels.sound_energy": (
+        "SoundEnergy",
+        "radiated_energy",
+    ),
+    "acoustics.levels.weighting": (
+        "frequency_weighting",
+        "time_weighted",
+        "weighted",
+    ),
+    "acoustics.levels.statistical": (
+        "diffuse_radiation",
         "DiffuseRoom",
         "RadiatingPlate",
         "band_exposures",
         "largest_levels",
         "steady_levels",
+        "InfinitePlate",
+        "isotropic_plate",
     ),
-    "acoustics.statistical.infinite_plate": ("InfinitePlate", "isotropic_plate"),
 }
 
 __all__ = [

@@ -23,7 +23,7 @@ class RoomResponse:
     p : [n_receivers, nt], pressure, positive when compressed [Pa].
     findings : advice on how far to trust it.
     complete_below_hz : there is no sound above it, since what makes it is not known there; see
-    `acoustics.levels.ending`.
+    `acoustics.levels.bands`.
 
     Notes
     -----

@@ -8,13 +8,10 @@ from typing import Annotated, Final
 
 import typer
 
-from femstruct.commands.exchanges import export, mac, reduce
 from femstruct.commands.on_campaigns import optimise, sweep
 from femstruct.commands.on_itself import explain, materials, new, schema, warm_up
-from femstruct.commands.on_measurements import identify
-from femstruct.commands.on_models import check, frf, modes, statics
-from femstruct.commands.on_results import compare, plot, report
-from femstruct.commands.on_studies import impact, run, sound
+from femstruct.commands.on_models import check, export, frf, identify, mac, modes, reduce, statics
+from femstruct.commands.on_studies import compare, impact, plot, report, run, sound
 from femstruct.exits import GOOD, end, heed_signals, leave_with
 
 app: Final = typer.Typer(

@@ -9,7 +9,7 @@ right-hand rotations and the local twist of a plate, d2w/dxdy in the plate's own
     UX UY UZ RX RY RZ TWIST
 
 These are what joints, supports, probes and pictures see of a node. The degrees of freedom are those of each part, by
-names of its own (`OwnDofs` of `femstruct.model.meshed`): a node may have fewer of them, and a plate that is rigid in
+names of its own (`OwnDofs` of `femstruct.model.part`): a node may have fewer of them, and a plate that is rigid in
 its plane has three for all its nodes together. The twist is known to plates alone.
 
 On a plate with its normal along z, RX = +dw/dy and RY = -dw/dx.

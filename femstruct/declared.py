@@ -15,9 +15,8 @@ from typing import Annotated, Any, Final, Literal, NamedTuple, TypeVar, Union, g
 
 import numpy as np
 
-from femstruct.dimensions import DIMENSIONS
 from femstruct.errors import InputError, cut
-from femstruct.units import QuantityError, quantity_of
+from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 
 T = TypeVar("T")
 

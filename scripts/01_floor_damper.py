@@ -11,38 +11,24 @@ from functools import partial
 from itertools import product
 from typing import Literal
 
-from acoustics import Air, Receiver, Room, losses_from_beta
-from femstruct import (
-    Case,
-    Damping,
-    Extent,
-    Foundation,
-    Frame,
-    FrfRequest,
-    Hertz,
-    Joint,
-    Material,
-    ModeDamping,
-    PeakRule,
-    PlacedBody,
-    PlaceOn,
-    Plan,
-    PlannedContact,
-    PlannedLink,
-    Plate,
-    Ratio,
-    Record,
-    Region,
-    RoomPlan,
-    Spot,
-    Structure,
-    Study,
-    SurfaceOn,
-    TimePlan,
-    run_study,
-)
+from acoustics.air import Air
+from acoustics.fields.rectangular import Room
+from acoustics.losses import losses_from_beta
+from acoustics.receivers import Receiver
 from femstruct.conventions import GRAVITY
-from femstruct.model.section import rectangle
+from femstruct.laws.hertz import Hertz
+from femstruct.modal.damping import Damping, ModeDamping, Ratio
+from femstruct.model.materials import Material
+from femstruct.model.regions import Region
+from femstruct.model.sections import rectangle
+from femstruct.model.structure import Joint, PlaceOn, Structure, SurfaceOn
+from femstruct.parts.foundation import Foundation
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
+from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink
+from femstruct.study.asked import Extent, FrfRequest, PeakRule, Record, RoomPlan, Spot, TimePlan
+from femstruct.study.study import Case, Plan, Study
+from femstruct.workflow.run import run_study
 
 SOURCE = {
     "velocity": (47.0, 62.0),

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from systems import rigid
 from systems.pictures import save
 
-from femstruct.impact.scene.collisions import collide, collide_as_one
+from femstruct.impact.collisions import collide, collide_as_one
 
 BALL = 0.5
 DAMPERS = (0.25, 0.5, 1.0, 1.5)

@@ -9,7 +9,9 @@ from matplotlib.figure import Figure
 from systems.pictures import save
 from systems.press import MODELS
 
-from femstruct import StudyResult, read_study, run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 CASES = {
     "press": "case 1, soft springs",

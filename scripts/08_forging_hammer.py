@@ -10,8 +10,9 @@ from pathlib import Path
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from femstruct import read_study, run_study
-from femstruct.study.result import StudyResult
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 STUDY = Path(__file__).parents[1] / "models" / "forging_hammer.study.yaml"
 ROWS = (("ground force", "force on the ground [kN]", 1e-3), ("corner.z displacement", "travel of the block [mm]", 1e3))

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from systems import wall
 from systems.pictures import save
 
-from femstruct.workflow.identify.intervals import Fit
+from femstruct.workflow.fit import Fit
 
 COLOURS = ("C0", "C1", "C2")
 

@@ -17,21 +17,21 @@ from pathlib import Path
 
 import numpy as np
 
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.scene import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_study
-from femstruct.modal.analytic import given_modes
+from femstruct.language.cases import read_study
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.coupled_damping.kept import oscillators_of
+from femstruct.modal.closed_form import given_modes
 from femstruct.modal.damping import with_damping
 from femstruct.modal.frf import frf
+from femstruct.modal.oscillators import oscillators_of
 from femstruct.model.probe import Probe
-from femstruct.workflow.stages.modal_bases import in_air, solve
-from femstruct.workflow.stages.staging import scene as staged
+from femstruct.workflow.bases import in_air, solve
+from femstruct.workflow.staging import scene as staged
 
 STRUCTURE = 100  # modes of the floor, and as many of the ceiling, up to REACH
 REACH = 450.0  # [Hz]; modes of the air reach ten times as far

@@ -20,21 +20,19 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg.blas import daxpy
 
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.batch.metrics import Batch
-from femstruct.impact.engine.gauss_points import PLACES, POINTS, STAGES
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.exact.choice import takes_exact_march
-from femstruct.impact.exact.exact_constants import COARSE, ORDER
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Link, Scene
+from femstruct.impact.batch import Batch, simulate_batch
+from femstruct.impact.exact import COARSE, ORDER, takes_exact_march
+from femstruct.impact.propagation import PLACES, POINTS, STAGES
+from femstruct.impact.scene import Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_study
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.system import compile_scene
+from femstruct.language.cases import read_study
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import ModalBasis
-from femstruct.workflow.stages.modal_bases import damped, solve_all
-from femstruct.workflow.stages.staging import scene as staged
+from femstruct.modal.closed_form import given_modes
+from femstruct.workflow.bases import damped, solve_all
+from femstruct.workflow.staging import scene as staged
 
 FLOOR = Path(__file__).parents[1] / "models" / "floor_tennis_ball.study.yaml"
 TOLERANCE = 1e-5  # of the Hertz ball: its error is 1e-9, that of RK45 2e-5
@@ -203,8 +201,8 @@ def floor() -> dict[str, float]:
 def warm_start() -> dict[str, float]:
     """CPU seconds until a new process has its kernels, imports apart."""
     code = (
-        "import time; from femstruct.impact.engine.needed_units import BY_COLLOCATION as units; "
-        "from femstruct.impact.compiled.loading import native; s = time.process_time(); "
+        "import time; from femstruct.impact.simulate import BY_COLLOCATION as units; "
+        "from femstruct.compiled.store import native; s = time.process_time(); "
         "[native(unit) for unit in units]; print(time.process_time() - s)"
     )
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -214,8 +212,8 @@ def warm_start() -> dict[str, float]:
 def cold_kernels() -> dict[str, float]:
     """Seconds to compile all kernels, as the clock has them and of all processes."""
     code = (
-        "import os, time; from femstruct.impact.engine.needed_units import ALL; "
-        "from femstruct.impact.compiled.workers import code_of; s = time.monotonic(); "
+        "import os, time; from femstruct.impact.simulate import ALL; "
+        "from femstruct.compiled.store import code_of; s = time.monotonic(); "
         "code_of(ALL); print(time.monotonic() - s, sum(os.times()[:4]))"
     )
     with tempfile.TemporaryDirectory() as empty:

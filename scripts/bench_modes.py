@@ -22,11 +22,17 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import eigsh
 
-from femstruct import ImportedMesh, Material, Plate, Shell, Structure, assemble, mesh_structure
 from femstruct.arrays import Floats
+from femstruct.assembly.matrices import assemble
 from femstruct.elements import plate, quad_shell, triangle_shell
-from femstruct.modal.solve import modes
-from femstruct.sparse.solvers import SOLVERS
+from femstruct.modal.eigen import modes
+from femstruct.model.imported_mesh import ImportedMesh
+from femstruct.model.materials import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.structure import Structure
+from femstruct.parts.plate import Plate
+from femstruct.parts.shell import Shell
+from femstruct.sparse import SOLVERS
 
 COUNT = 20
 MOST_BY_EIGSH = 200  # divisions

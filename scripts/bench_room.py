@@ -17,9 +17,13 @@ import time
 
 import numpy as np
 
-from acoustics import Air, Receiver, Room, SurfaceVelocity, losses_from_beta, losses_from_t60, pressure
-from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, project, transfer, vertical_wavenumber
-from acoustics.rooms.continuation import extended
+from acoustics.air import Air
+from acoustics.fields.rectangular import Room
+from acoustics.losses import losses_from_beta, losses_from_t60
+from acoustics.receivers import Receiver
+from acoustics.rooms.box import cosines, horizontal_wavenumber, project, transfer, vertical_wavenumber
+from acoustics.rooms.box_pressure import extended, pressure
+from acoustics.source import SurfaceVelocity
 
 ORDERS, WINDOW, RATE, FEW_LINES = 12, 10.0, 48e3, 20_000
 BLOCK = 1 << 15  # complex numbers handled at once, as the package does

@@ -14,8 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from femstruct import read_campaign, sweep
-from femstruct.study.campaign.swept import Swept
+from femstruct.campaign.sweep import sweep
+from femstruct.language.campaigns import read_campaign
+from femstruct.study.campaigns import Swept
 
 FLOOR = Path(__file__).parents[1] / "models" / "floor_tennis_ball.study.yaml"
 VARY = ("bodies.damper.mass=uniform(0.3 kg, 0.9 kg)", "bodies.ball.mass=uniform(40 g, 60 g)")

@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 from systems.layered_floor import Floor, Slab, impact_levels, sound_reduction, weighted_reduction
 
-from acoustics.levels.iso import CURVE_THIRDS, weighted_impact_level
-from femstruct import read_study, run_study
+from acoustics.levels.standards import CURVE_THIRDS, weighted_impact_level
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "clt_floor.md"

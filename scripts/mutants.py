@@ -37,17 +37,29 @@ TOP = Path(__file__).resolve().parents[1]
 SUBJECTS: Mapping[str, tuple[str, ...]] = {
     "elements": (
         "femstruct/elements",
-        "femstruct/parts/of_plates",
-        "femstruct/parts/of_frames",
-        "femstruct/parts/of_meshes",
+        *(f"femstruct/parts/{name}.py" for name in ("cells", "frame", "plate", "shell", "slab", "solid")),
     ),
-    "joints": ("femstruct/assembly", "femstruct/model/equations", "femstruct/model/mesher.py"),
-    "losses": ("femstruct/modal/by_frequency", "femstruct/modal/coupled_damping", "femstruct/model/materials"),
-    "laws": ("femstruct/impact/laws", "femstruct/impact/exact", "femstruct/impact/engine"),
-    "rooms": ("acoustics/rooms", "acoustics/cavities", "acoustics/fields"),
+    "joints": (
+        "femstruct/assembly",
+        *(f"femstruct/model/{name}.py" for name in ("constraints", "mesher", "plates_and_bars", "seams")),
+        *(f"femstruct/model/{name}.py" for name in ("supports_and_joints", "unlike_meshes")),
+    ),
+    "losses": (
+        *(f"femstruct/modal/{name}.py" for name in ("by_frequency", "coupled_damping", "oscillators")),
+        *(f"femstruct/model/{name}.py" for name in ("lay_ups", "materials")),
+    ),
+    "laws": (
+        "femstruct/laws",
+        *(f"femstruct/impact/{name}.py" for name in ("exact", "ledger", "motion", "propagation", "system")),
+    ),
+    "rooms": ("acoustics/rooms", "acoustics/fields", "acoustics/meshed"),
     "levels": ("acoustics/levels",),
-    "readers": ("femstruct/files/inputs", "femstruct/language/model", "femstruct/language/parts"),
-    "sweeps": ("femstruct/campaign", "femstruct/study/campaign"),
+    "readers": (
+        "femstruct/decks",
+        *(f"femstruct/files/{name}.py" for name in ("band_tables", "matrices_input", "op4", "text_tables")),
+        *(f"femstruct/language/{name}.py" for name in ("materials", "model_file", "parts", "places", "structures")),
+    ),
+    "sweeps": ("femstruct/campaign", "femstruct/study/campaigns.py", "femstruct/study/optima.py"),
 }
 
 # Capabilities of the machine that are for a subject, by parts of their names.

@@ -1,4 +1,4 @@
-"""Write the table of the modules whose nouns have tags, `femstruct/files/results_file/tagged/tagged_modules.py`, anew.
+"""Write the table of the modules whose nouns have tags, `femstruct/files/tagged_modules.py`, anew.
 
 After a module or a noun with a tag was added, moved or renamed: `python scripts/stored_tags.py`. A test compares.
 """
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-TABLE = Path("femstruct", "files", "results_file", "tagged", "tagged_modules.py")
+TABLE = Path("femstruct", "files", "tagged_modules.py")
 HEAD = '''"""Where the nouns with tags are, for whoever reads a results file: written by `scripts/stored_tags.py`.
 
 Only modules whose nouns a file has are imported.

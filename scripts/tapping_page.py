@@ -9,9 +9,10 @@ from __future__ import annotations
 from math import log10, pi, sqrt
 from pathlib import Path
 
-from acoustics.levels.iso import CURVE_THIRDS, weighted_impact_level
 from acoustics.levels.rated import RatedRoom
-from femstruct import read_study, run_study
+from acoustics.levels.standards import CURVE_THIRDS, weighted_impact_level
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "tapping.md"

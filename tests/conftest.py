@@ -24,12 +24,12 @@ from jsonschema import Draft202012Validator
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, splu
 
+from femstruct.compiled.store import code_of
 from femstruct.elements import plate
-from femstruct.impact.compiled.workers import code_of
-from femstruct.impact.engine.needed_units import ALL
+from femstruct.impact.simulate import ALL
 
 if TYPE_CHECKING:
-    from femstruct.study.result import StudyResult
+    from femstruct.study.results import StudyResult
 
 # A clock in a test says how busy the machine is, not whether the code is right.
 settings.register_profile("femstruct", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -60,8 +60,8 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture(autouse=True, scope="session")
 def summaries_fit_their_schema() -> Iterator[None]:
     """What any test writes to a results file has a summary that fits the published schema."""
-    from femstruct.files.results_file import results
-    from femstruct.files.tables.summary_schema import summary_schema
+    from femstruct.files import results_file as results
+    from femstruct.files.summary_schema import summary_schema
 
     fits, summary = Draft202012Validator(summary_schema()), results.summary
 

@@ -13,8 +13,7 @@ from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError, Advice
 from acoustics.fields.sound_field import FACING, SoundField, faces_out
 from acoustics.losses import Losses
-from acoustics.open_air.baffle import Baffle, in_front, on_plane
-from acoustics.open_air.rayleigh import field_loads, field_pressures, harmonic_field
+from acoustics.open_air.rayleigh import Baffle, field_loads, field_pressures, harmonic_field, in_front, on_plane
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
@@ -93,5 +92,5 @@ class HalfSpace(Baffle, SoundField):
 
     def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
         """Refused: pressures on the plane itself are not computed; that of all surfaces together is
-        `acoustics.open_air.radiated_power.radiated_power`."""
+        `acoustics.open_air.power.radiated_power`."""
         raise AcousticsError("powers", got=f"powers by surface in {self.word}", expected="a closed room")

@@ -12,21 +12,28 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.errors import AcousticsError, Advice
+from acoustics.fields.receiver_grids import RoomGrid, box_grid, box_mode_shapes
 from acoustics.fields.returned import KeptTransfer, ModesOnSurface
 from acoustics.fields.sound_field import FACING, SoundField, described_modes, faces_out
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box import Box, inside, room_modes
-from acoustics.rooms.box_transfer import overlaps
-from acoustics.rooms.box_two_way import CoupledAir
-from acoustics.rooms.by_wall.box_walls import ON, WALLS, Turn, by_wall, mode_overlaps
-from acoustics.rooms.by_wall.wall_loads import wall_loads
-from acoustics.rooms.by_wall.wall_powers import wall_powers
-from acoustics.rooms.by_wall.wall_sums import wall_harmonic, wall_map, wall_pressures
-from acoustics.rooms.by_wall.walls_two_way import coupled_walls
-from acoustics.rooms.pressure_maps import PressureMap
-from acoustics.rooms.receiver_grids import RoomGrid, box_grid, box_mode_shapes
-from acoustics.rooms.room_ways import room_ways
+from acoustics.rooms.box import Box, inside, overlaps, room_modes
+from acoustics.rooms.box_coupling import CoupledAir
+from acoustics.rooms.box_harmonic import PressureMap
+from acoustics.rooms.box_pressure import room_ways
+from acoustics.rooms.box_walls import (
+    ON,
+    WALLS,
+    Turn,
+    by_wall,
+    coupled_walls,
+    mode_overlaps,
+    wall_harmonic,
+    wall_loads,
+    wall_map,
+    wall_powers,
+    wall_pressures,
+)
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
 from acoustics.tags import stored_as
 
@@ -164,17 +171,17 @@ class Room(Box, SoundField):
         return wall_harmonic(together(surfaces), self, receivers)
 
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
-        """By its modes: see `acoustics.rooms.by_wall.walls_two_way.coupled_walls`."""
+        """By its modes: see `acoustics.rooms.box_walls.coupled_walls`."""
         return coupled_walls(self, side_by_side(surfaces), up_to_hz)
 
     def loads(
         self, surfaces: Sequence[SurfaceShapes], source: Receiver, frequency_hz: Floats
     ) -> tuple[Complexes, tuple[Advice, ...]]:
-        """By cosines of every wall: see `acoustics.rooms.by_wall.wall_loads.wall_loads`."""
+        """By cosines of every wall: see `acoustics.rooms.box_walls.wall_loads`."""
         return wall_loads(self, side_by_side(surfaces), self.places([source])[0], frequency_hz)
 
     def powers(self, surfaces: Sequence[SurfaceVibration]) -> Floats:
-        """By its modes: see `acoustics.rooms.by_wall.wall_powers.wall_powers`."""
+        """By its modes: see `acoustics.rooms.box_walls.wall_powers`."""
         return wall_powers(self, surfaces)
 
     def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:
@@ -207,7 +214,7 @@ class Room(Box, SoundField):
         return Room(self.size * factors, self.air, self.losses)
 
     def ways(self, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
-        """By cosines: see `acoustics.rooms.room_ways.room_ways`."""
+        """By cosines: see `acoustics.rooms.box_pressure.room_ways`."""
         inner = ((surface.points[:, :2] >= 0.0) & (surface.points[:, :2] <= self.size[:2])).all(axis=1)
         within = SurfaceShapes(surface.points[inner], surface.weights[inner], surface.shapes[inner])
         return room_ways(self, within, places, s)
@@ -224,5 +231,5 @@ class Room(Box, SoundField):
         at: float,
         divisions: tuple[int, int] = (48, 40),
     ) -> PressureMap:
-        """By as many cosines as a picture needs: see `acoustics.rooms.pressure_maps.pressure_map`."""
+        """By as many cosines as a picture needs: see `acoustics.rooms.box_harmonic.pressure_map`."""
         return wall_map(together(surfaces), self, frequencies_hz, normal=normal, at=at, divisions=divisions)

@@ -34,7 +34,7 @@ class KeptTransfer(Protocol):
     @property
     def per_rate(self) -> Complexes:
         """Pressure over the rate of every mode of the surfaces [r, k, nf], on the first lines of
-        `acoustics.rooms.continuation.transform_axis` of the record, as its transform is weighted."""
+        `acoustics.rooms.box_pressure.transform_axis` of the record, as its transform is weighted."""
 
     def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
         """Pressures of other motions; None where they need another search."""

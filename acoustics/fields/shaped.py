@@ -15,33 +15,27 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, positive
 from acoustics.errors import AcousticsError, Advice
+from acoustics.fields.receiver_grids import RoomGrid, halved_grid
 from acoustics.fields.returned import ModesOnSurface
 from acoustics.fields.sound_field import SoundField, described_modes, faces_out
 from acoustics.losses import Losses
-from acoustics.meshed.absorbing_walls import absorbed, two_way_absorption
 from acoustics.meshed.cavity_mesh import CavityMesh
-from acoustics.meshed.finite_elements import (
-    CELLS_PER_WAVE,
-    OFF_WALL,
-    CavityModes,
-    cavity_modes,
-    off_boundary,
-    probe,
-)
+from acoustics.meshed.finite_elements import CELLS_PER_WAVE, OFF_WALL, CavityModes, cavity_modes, off_boundary, probe
+from acoustics.meshed.meshed_coupling import coupled_cavity
 from acoustics.meshed.meshed_pressure import (
+    Decays,
     cavity_loads,
     cavity_powers,
     cavity_pressures,
+    decays,
     harmonic_cavity_pressure,
+    measured_t60,
 )
-from acoustics.meshed.meshed_two_way import coupled_cavity
-from acoustics.meshed.reverberation import Decays, decays, measured_t60
-from acoustics.meshed.walls import AnyWall, YieldingWall
+from acoustics.meshed.walls import AnyWall, YieldingWall, absorbed, two_way_absorption
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box_two_way import CoupledAir
-from acoustics.rooms.pressure_maps import PressureMap, map_within
-from acoustics.rooms.receiver_grids import RoomGrid, halved_grid
+from acoustics.rooms.box_coupling import CoupledAir
+from acoustics.rooms.box_harmonic import PressureMap, map_within
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
 from acoustics.tags import stored_as
 
@@ -235,7 +229,7 @@ class ShapedRoom(SoundField):
         return cavity_powers(surfaces, self.modes, self.air, self.losses, self.walls)
 
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
-        """By its modes: see `acoustics.meshed.meshed_two_way.coupled_cavity`."""
+        """By its modes: see `acoustics.meshed.meshed_coupling.coupled_cavity`."""
         return coupled_cavity(side_by_side(surfaces), self.modes, self.air, self.losses, up_to_hz, self.walls)
 
     def coupling_advice(self, first_hz: float) -> tuple[Advice, ...]:

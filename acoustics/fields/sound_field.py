@@ -17,14 +17,14 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError, Advice
+from acoustics.fields.receiver_grids import RoomGrid
 from acoustics.fields.returned import KeptTransfer, ModesOnSurface
 from acoustics.losses import Losses, modal_damping_ratio, t60_of
-from acoustics.open_air.baffle import Baffle
+from acoustics.open_air.rayleigh import Baffle
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box_two_way import CoupledAir
-from acoustics.rooms.pressure_maps import PressureMap
-from acoustics.rooms.receiver_grids import RoomGrid
+from acoustics.rooms.box_coupling import CoupledAir
+from acoustics.rooms.box_harmonic import PressureMap
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
 
 T60_OF_ALL = "reverberation_time_of_all_modes_s"

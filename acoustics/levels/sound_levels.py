@@ -7,21 +7,171 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import ceil, inf, nan
+from functools import lru_cache
+from math import ceil, inf, nan, pi
 from types import MappingProxyType
 from typing import Annotated, Final
 
 import numpy as np
 
-from acoustics.arrays import Floats, freeze, frozen, positive
+from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError, Advice
-from acoustics.levels.bands import Fraction, octave_bands, ringing_time, third_octave_bands
-from acoustics.levels.decibels import decibel, decibels
-from acoustics.levels.filters import band_passes
+from acoustics.levels.bands import (
+    Fraction,
+    band_edges,
+    band_passes,
+    decibel,
+    decibels,
+    octave_bands,
+    ringing_time,
+    third_octave_bands,
+)
 from acoustics.levels.weighting import FrequencyWeighting, TimeWeighting, time_weighted, weighted, weighted_by
 from acoustics.reported import Axis, Reported
 from acoustics.room_response import RoomResponse
+from acoustics.rooms.box_pressure import fast_length
 from acoustics.tags import stored_as
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Reverberation time of a decay that was computed or measured.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def reverberation_time(p: Floats, dt: float, *, top_db: float = -5.0, bottom_db: float = -35.0) -> float:
+    """Time [s] in which the sound of a decaying history `p` [nt] [Pa] falls by 60 dB.
+
+    top_db, bottom_db : part of the decay that a line is fitted to: -5 to -35 dB is T30 of ISO 3382-1, -5 to -25 T20.
+
+    Raises AcousticsError: a history that does not fall to 10 dB below `bottom_db`, where what is left of the record
+    would bend the line.
+
+    Notes
+    -----
+    Backward integration (M. R. Schroeder, J. Acoust. Soc. Am. 37, 409 (1965), doi:10.1121/1.1909343), then a line by
+    least squares through the level.
+
+    >>> t = np.arange(48000) / 24e3
+    >>> round(reverberation_time(np.sin(2000 * t) * 10 ** (-3 * t / 0.8), 1 / 24e3), 4)
+    0.8
+    """
+    p = frozen("p", p, (None,))
+    left = np.cumsum(p[::-1] ** 2)[::-1]
+    if not left[0] > 0:
+        raise AcousticsError("p", got="silence", expected="a decay")
+    level = 10 * np.log10(np.maximum(left / left[0], 1e-30))
+    # the last tenth of the record shows how far the decay got
+    reached = float(level[int(0.9 * len(level))])
+    if reached > bottom_db - 10:
+        raise AcousticsError(
+            "p", got=f"a decay to {reached:.1f} dB", expected=f"{bottom_db - 10:g} dB or lower", do="record longer"
+        )
+    part = (level <= top_db) & (level >= bottom_db)
+    slope = np.polyfit(positive("dt", dt, "s") * np.flatnonzero(part), level[part], 1)[0]
+    return float(-60 / slope)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Impact force exposure levels: how hard a standard source strikes, octave by octave.
+# ----------------------------------------------------------------------------------------------------------------------
+
+EXPOSURE_BANDS_HZ: Final = (31.5, 63.0, 125.0, 250.0, 500.0)
+LEAST_SAMPLING_HZ: Final = 1600.0  # for the octave at 500 Hz
+
+
+def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
+    """Impact force exposure level {nominal centre [Hz]: [dB]} in the octaves 31.5 to 500 Hz of a force `force` [nt]
+    [N] sampled every `dt` [s]; nan of no force.
+
+    Raises AcousticsError: a shape other than [nt], numbers that are not finite, a sampling too low for these octaves.
+
+    Notes
+    -----
+    L_FE = 10 lg(integral of F^2 dt / (1 N^2 1 s)) of the force filtered by an octave, the filters of
+    `acoustics.levels.bands`. The force is zero before and after the record, over which the filters ring out: a force
+    that has not ended by then is cut.
+
+    References
+    ----------
+    ISO 16283-2:2020 annex A, ISO 10140-5 annex F, JIS A 1418-2 (https://kikakurui.com/a1/A1418-2-2019-01.html).
+
+    A step of 1 N and back, whose spectrum is 1 / (pi f) |sin(pi f T)|:
+
+    >>> round(force_exposure_levels(np.ones(4800), 1 / 48e3)[500.0], 1)
+    -38.4
+    """
+    force = frozen("force", force, (None,))
+    sampling_hz = 1 / positive("dt", dt, "s")
+    if sampling_hz < LEAST_SAMPLING_HZ * (1 - 1e-9):
+        raise AcousticsError("dt", got=f"{sampling_hz:g} Hz", expected=f"{LEAST_SAMPLING_HZ:g} Hz or more")
+    passes, found = band_passes(len(force), sampling_hz, 1, thinned=False), {}
+    for nominal in EXPOSURE_BANDS_HZ:
+        heard = passes[nominal].of(np.fft.rfft(force, passes[nominal].length), 0.0).values
+        found[nominal] = decibel(float(heard @ heard) * dt)
+    return found
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Levels of bands from a spectrum at some hundred lines: what many rooms and places need that are compared.
+# ----------------------------------------------------------------------------------------------------------------------
+
+REFERENCE_SQUARED: Final = (20e-6) ** 2
+FAST_S: Final = 0.125
+PER_PERIOD: Final = 6.0  # samples of the upper edge's period: squares are known without folding into the average
+_POLES: Final = np.exp(1j * pi * (2 * np.arange(4) + 5) / 8)  # of the low-pass prototype, order 4
+
+
+def band_gain(s: Complexes, centre_hz: float, fraction: Fraction = 3) -> Complexes:
+    """Complex gain [nf] of the order-4 Butterworth band pass of a band at complex frequencies s [nf] [1/s].
+
+    >>> low, high = band_edges(1000.0)
+    >>> np.abs(band_gain(2j * pi * np.array([low, 1000.0, high]), 1000.0)).round(4).tolist()
+    [0.7071, 1.0, 0.7071]
+    """
+    return _gain(np.asarray(s, dtype=np.complex128).tobytes(), centre_hz, fraction)
+
+
+@lru_cache(maxsize=64)
+def _gain(lines: bytes, centre_hz: float, fraction: Fraction) -> Complexes:
+    """The same, kept for the next spectra at these lines."""
+    s = np.frombuffer(lines, dtype=np.complex128)
+    low, high = (2 * pi * edge for edge in band_edges(centre_hz, fraction))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        prototype = (s**2 + low * high) / (s * (high - low))
+        gain = 1.0 / np.prod(prototype - _POLES[:, None], axis=0)
+    gain = np.where(s == 0, 0.0, gain)
+    gain.flags.writeable = False
+    return gain
+
+
+def exposures(spectra: Complexes, s: Complexes, bands_hz: Mapping[float, float], fraction: Fraction = 3) -> Floats:
+    """Sound exposures [n, b] [Pa^2 s] in bands {nominal: exact centre} of pressures with spectra [n, nf] [Pa s].
+
+    s : evenly spaced on the frequency axis, from 0 on.
+    """
+    step_hz = float((s[1] - s[0]).imag) / (2 * pi)
+    gains = np.array([np.abs(band_gain(s, centre, fraction)) ** 2 for centre in bands_hz.values()])
+    return np.asarray(2 * step_hz * np.abs(spectra) ** 2 @ gains.T)
+
+
+def largest_fast(spectra: Complexes, s: Complexes, bands_hz: Mapping[float, float], fraction: Fraction = 3) -> Floats:
+    """Largest Fast mean squares [n, b] [Pa^2] in bands {nominal: exact centre} of pressures of spectra [n, nf] [Pa s].
+
+    s : evenly spaced with one real part a > 0, the spectrum being that of the pressure times exp(-a t): what comes
+        after the record, 1 / spacing long, then folds back to its beginning by exp(-a / spacing) smaller.
+    """
+    step_hz, decay = float((s[1] - s[0]).imag) / (2 * pi), float(s[0].real)
+    found = np.empty((len(spectra), len(bands_hz)))
+    for column, centre in enumerate(bands_hz.values()):
+        samples = fast_length(int(np.ceil(PER_PERIOD * band_edges(centre, fraction)[1] / step_hz)))
+        lines = slice(0, min(len(s), samples // 2))
+        dt = 1 / (step_hz * samples)
+        p = np.fft.irfft(spectra[:, lines] * band_gain(s[lines], centre, fraction), samples, axis=1) / dt
+        p *= np.exp(decay * dt * np.arange(samples))
+        keep = np.exp(-dt / FAST_S)
+        fall = keep ** np.arange(samples)
+        found[:, column] = ((1 - keep) * np.cumsum(p**2 / fall, axis=1) * fall).max(axis=1)
+    return found
+
 
 REFERENCE_PA: Final = 20e-6
 _DB: Final = "dB re 20 µPa"
@@ -42,7 +192,7 @@ class Levels:
         of heavy blows use. octaves_db : the same of octaves.
     exposure_db : {nominal centre [Hz]: unweighted sound exposure level in the third octave}.
     findings : advice; reference_pa : p0 [Pa]. complete_below_hz : where the sound ends; bands whose filters
-    pass more (`acoustics.levels.ending.filtered`) are nan, single numbers are of the sound below.
+    pass more (`acoustics.levels.bands.filtered`) are nan, single numbers are of the sound below.
     Levels of silence are nan.
     """
 

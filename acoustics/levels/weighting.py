@@ -9,7 +9,7 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError
-from acoustics.rooms.continuation import faded, fast_length
+from acoustics.rooms.box_pressure import faded, fast_length
 
 TIME_S: Final = {"F": 0.125, "S": 1.0, "I": 0.035}
 IMPULSE_DECAY_S: Final = 1.5

@@ -1,9 +1,10 @@
 """What walls do: admittances of locally reacting walls, the absorption coefficients they stand for, and walls that
-yield."""
+yield.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import log
 from types import MappingProxyType
@@ -11,9 +12,13 @@ from typing import Final
 
 import numpy as np
 import scipy
+from scipy.linalg import eig
 
-from acoustics.arrays import Floats, freeze, positive
-from acoustics.errors import AcousticsError
+from acoustics.air import Air
+from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
+from acoustics.errors import AcousticsError, Advice
+from acoustics.losses import Losses
+from acoustics.meshed.finite_elements import CavityModes, wall_integrals, wall_traces
 from acoustics.tags import stored_as
 
 _RESISTANCE_OF_MOST: Final = 1.567  # specific resistance of the highest random-incidence absorption
@@ -150,3 +155,194 @@ def _admittance(alpha: float) -> float:
             lambda y: random_incidence_absorption(y) - alpha, alpha / 16, 1 / _RESISTANCE_OF_MOST, xtol=1e-15
         )
     )
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Walls that yield as coordinates: oscillators that pressure drives and that take volume from the room.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class WallMotion:
+    """The displacement of the walls that yield, in shapes w_j: one oscillator each.
+
+    loads : integrals of a unit source at each node times w_j over their walls [dofs, r], as of
+    `acoustics.meshed.finite_elements.drive`.
+    mass, stiffness, resistance : of each [r] [kg/m^2], [N/m^3], [Pa s/m]; the shapes are orthonormal over their wall.
+    """
+
+    loads: Floats
+    mass: Floats
+    stiffness: Floats
+    resistance: Floats
+
+    def __post_init__(self) -> None:
+        loads = frozen("motion.loads", self.loads, (None, None))
+        ones = {name: frozen(f"motion.{name}", getattr(self, name), (loads.shape[1],)) for name in _OSCILLATOR}
+        freeze(self, loads=loads, **ones)
+
+
+_OSCILLATOR = ("mass", "stiffness", "resistance")
+
+
+def wall_motion(modes: CavityModes, walls: Mapping[str, AnyWall]) -> WallMotion:
+    """The displacement of all walls that yield, in the traces that the modes have on them.
+
+    A locally reacting wall moves as the pressure on it: the traces of the modes are all that it needs.
+    """
+    yielding = {name: wall for name, wall in walls.items() if isinstance(wall, YieldingWall)}
+    traces = [wall_traces(modes, name) for name in yielding]
+    many = [trace.shape[1] for trace in traces]
+    each = {
+        name: np.repeat([getattr(wall, name) for wall in yielding.values()], many).astype(np.float64)
+        for name in _OSCILLATOR
+    }
+    return WallMotion(np.hstack([np.zeros((len(modes.shapes), 0)), *traces]), **each)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What the walls of a room of any shape absorb: how they damp its modes, and couple them.
+# ----------------------------------------------------------------------------------------------------------------------
+
+COUPLED: Final = 0.05  # what walls couple two modes by, over the distance of their frequencies, to need complex modes
+
+
+def absorbed(modes: CavityModes, walls: Mapping[str, AnyWall], air: Air) -> Floats:
+    """Integrals of beta psi_n psi_m over all walls, over the volume [n, n] [1/m]; beta is the two modes' geometric
+    mean. Walls that yield are not among them."""
+    frequency_hz = modes.wavenumber * air.c / (2 * np.pi)
+    total = np.zeros((len(frequency_hz), len(frequency_hz)))
+    for name, wall in walls.items():
+        if isinstance(wall, Wall):
+            root = np.sqrt(wall.at(frequency_hz))
+            total += root[:, None] * wall_integrals(modes, name) * root / modes.mesh.volume
+    return total
+
+
+def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
+    """Largest rate by which walls couple two modes, c |A_nm|, over the distance of their frequencies or, where they lie
+    closer than that, over their own rates.
+
+    taken_up [n, n] : of `absorbed` [1/m].
+    """
+    distance = air.c * np.abs(modes.wavenumber[:, None] - modes.wavenumber)
+    rates = air.c * np.abs(taken_up)
+    off = rates - np.diag(np.diag(rates))
+    span = np.hypot(distance, np.add.outer(np.diag(rates), np.diag(rates)))
+    ratio = np.divide(off, span, out=np.zeros_like(off), where=off > 0)
+    return float(ratio.max(initial=0.0))
+
+
+def solved_together(walls: Mapping[str, AnyWall], coupled: float) -> tuple[bool, bool]:
+    """Whether modes are complex ones that walls couple, and whether walls that absorb are the same at all frequencies.
+
+    coupled : of `coupling`.
+    """
+    resistive = [wall for wall in walls.values() if isinstance(wall, Wall)]
+    constant = all(wall.constant for wall in resistive)
+    return len(resistive) < len(walls) or (coupled > COUPLED and constant), constant
+
+
+def coupled_walls(coupled: float) -> Advice:
+    """Advice ``coupled-absorption``: modes are damped one by one where walls couple them."""
+    return Advice(
+        "coupled-absorption",
+        f"the walls couple two room modes by {coupled:.2g} of the distance of their frequencies; {COUPLED:g} is "
+        "allowed. "
+        "The absorption depends on frequency, so each mode is damped separately, which is then a rough approximation",
+        {"coupling": coupled, "allowed": COUPLED},
+    )
+
+
+def two_way_absorption(
+    modes: CavityModes, walls: Mapping[str, AnyWall], air: Air, first_hz: float
+) -> tuple[Advice, ...]:
+    """Advice where walls absorb more than the damping of each mode by itself, which is what two-way coupling has.
+
+    first_hz : the lowest mode of structure and air, 0 for none [Hz].
+    """
+    taken = absorbed(modes, walls, air)
+    coupled = coupling(modes, taken, air)
+    rate = air.c * float(taken[0, 0])  # at which walls let go of uniform pressure [1/s]
+    lost = rate / (2 * np.pi * first_hz) if first_hz else 0.0
+    if coupled <= COUPLED and lost <= COUPLED:
+        return ()
+    return (
+        Advice(
+            "two-way-absorption",
+            f"The walls couple two room modes by {coupled:.2g} of the distance of their frequencies, and would absorb "
+            f"uniform pressure with a loss factor of {lost:.2g} at the first mode, {first_hz:.4g} Hz. "
+            f"Above {COUPLED:g}, two-way coupling is a rough approximation: its walls damp each room mode separately "
+            "and do not damp uniform pressure. One-way coupling includes both, but not the reaction of the air",
+            {"coupling": coupled, "uniform_loss_factor": lost, "allowed": COUPLED},
+        ),
+    )
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Modes of a room that its walls couple: the complex modes of its pressures, its flows and the walls that yield.
+# ----------------------------------------------------------------------------------------------------------------------
+
+Answer = tuple[Floats | Complexes, Floats | Complexes, Callable[[Complexes], Complexes]]
+
+
+def complex_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats, motion: WallMotion) -> Answer:
+    """(left, right, term): pressures of the modes are left @ (term(s) * (right @ integrals of psi_n v)); the rest as
+    `resonances`."""
+    poles, left, right = resonances(modes, air, losses, absorbed, motion)
+
+    def term(s: Complexes) -> Complexes:
+        ratio: Complexes = (1 + losses.relaxation_time * s) / (s - poles[:, None])
+        return ratio
+
+    return left, right, term
+
+
+def resonances(
+    modes: CavityModes, air: Air, losses: Losses, absorbed: Floats, motion: WallMotion
+) -> tuple[Complexes, Complexes, Complexes]:
+    """Poles [m] [1/s] of a room and its walls, what of the pressures of its modes is in each [n, m], and how these
+    drive it [m, n].
+
+    absorbed [n, n] : A, of `acoustics.meshed.walls.absorbed` [1/m].
+
+    Notes
+    -----
+    With tau the relaxation time, gamma the decay rate, w the displacement of the walls out of the room, L its integrals
+    with the modes, kappa = rho c^2 / V, x_n = omega_n P_n / (s + 2 gamma) and the elastic part Q of the pressure,
+
+        s Q = kappa (v - L s w) - c A P - omega x,        P = (1 + tau s) Q,
+        m s^2 w + r s w + k w = L^T P.
+
+    A wall without mass has a displacement, but no velocity, among the states. Without a resistance either, of its own
+    or of the air that it compresses, it follows the pressure, and its compliance joins that of the air.
+    """
+    n, tau, kappa = len(absorbed), losses.relaxation_time, air.bulk_modulus / modes.mesh.volume
+    heavy = motion.mass > 0
+    still = ~heavy & (motion.resistance == 0) & (tau == 0)
+    slow = ~heavy & ~still
+    L = modes.shapes.T @ motion.loads
+    along = np.vstack([np.zeros(n - 1), np.diag(air.c * modes.wavenumber[1:])])  # the uniform mode has no flow
+    sizes = [n, n - 1, int(slow.sum()), int(heavy.sum()), int(heavy.sum()), n]
+    parts = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])  # rows over the states and, last, the motion
+    elastic, flow, yielded, moved, moving, driven = parts
+    give = np.linalg.inv(np.eye(n) + tau * air.c * absorbed)
+    taken = kappa * (driven - L[:, heavy] @ moving) - along @ flow
+    pressure = give @ (elastic + tau * taken)  # of walls without mass at rest
+    resistance = np.diag(motion.resistance[slow]) + tau * kappa * L[:, slow].T @ give @ L[:, slow]
+    yielding = np.linalg.solve(resistance, L[:, slow].T @ pressure - motion.stiffness[slow, None] * yielded)
+    pressure = pressure - tau * kappa * give @ L[:, slow] @ yielding
+    compliance = np.eye(n) + kappa * (L[:, still] / motion.stiffness[still]) @ L[:, still].T
+    held = motion.resistance[heavy, None] * moving + motion.stiffness[heavy, None] * moved
+    rates = np.vstack(
+        [
+            np.linalg.solve(compliance, taken - kappa * L[:, slow] @ yielding - air.c * absorbed @ pressure),
+            along.T @ pressure - 2 * losses.decay_rate * flow,
+            yielding,
+            moving,
+            (L[:, heavy].T @ pressure - held) / motion.mass[heavy, None],
+        ]
+    )
+    poles, vectors = eig(rates[:, :-n])
+    right = np.linalg.solve(vectors, rates[:, -n:].astype(np.complex128))
+    return poles, vectors[:n], right

@@ -7,8 +7,9 @@ back on the structure is another question, to which `room.air_stiffness_ratio` g
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import inf
+from dataclasses import astuple, dataclass
+from functools import cached_property, lru_cache
+from math import erfc, inf, log
 from typing import Final
 
 import numpy as np
@@ -17,13 +18,250 @@ from numpy.typing import NDArray
 from acoustics.arrays import Complexes, Floats, Integers
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box import Box, inside, on_ceiling
-from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, project, transfer, wavenumber_squared
-from acoustics.rooms.continuation import band_cut, band_end, extended, returned, source_bandwidth, transform_axis
-from acoustics.rooms.cosine_orders import ENOUGH, audible, moved, not_in, order_blocks, square, undriven
-from acoustics.rooms.cosine_sums import Heard, added, energies, energy_of, pressure_of, silence
+from acoustics.rooms.box import (
+    ENOUGH,
+    SEEN,
+    Box,
+    audible,
+    cosines,
+    horizontal_wavenumber,
+    inside,
+    moved,
+    not_in,
+    on_ceiling,
+    order_blocks,
+    overlaps,
+    project,
+    square,
+    transfer,
+    undriven,
+    wavenumber_squared,
+)
 from acoustics.rooms.room_advice import one_way, source_advice, truncation
-from acoustics.source import SurfaceVelocity, alike
+from acoustics.source import SurfaceShapes, SurfaceVelocity, alike
+
+# ----------------------------------------------------------------------------------------------------------------------
+# From the rates of a ceiling's modes to the pressure at places of the room, at any complex frequencies.
+# ----------------------------------------------------------------------------------------------------------------------
+
+LINES: Final = 64  # handled at once
+MOST: Final = 4.0  # of the fastest wave's wavenumber, where places are at the ceiling
+LEAST: Final = 1e-2  # of an evanescent wave's pressure at the ceiling that reaches the highest place
+
+
+def room_ways(room: Box, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
+    """Pressure over modal rate [r, k, nf] at places [r, 3] of modes of the ceiling, at complex frequencies s [nf].
+
+    Notes
+    -----
+    Cosines that propagate at a frequency, or whose wave falls to no less than 1/100 on its way down to the highest
+    place: levels of third octaves are right to 0.05 dB. `acoustics.rooms.box_pressure` looks for all.
+    """
+    heights, plane = np.unique(places[:, 2], return_inverse=True)
+    nearest = float(room.size[2] - heights.max())
+    wave = np.sqrt(np.abs(wavenumber_squared(room.losses, room.air, s)))
+    reach = np.minimum(np.hypot(wave, -log(LEAST) / nearest if nearest > 0 else inf), MOST * wave.max())
+    orders = square(*(int(reach.max() * length / np.pi) + 1 for length in room.size[:2].tolist()))
+    k_lm = horizontal_wavenumber(room, orders)
+    order = np.argsort(k_lm, kind="stable")
+    orders, k_lm = orders[order], k_lm[order]
+    factor = np.where(orders > 0, 2.0, 1.0).prod(axis=1) / room.ceiling_area
+    coefficients = factor[:, None] * overlaps(room, orders, surface.points, surface.weights[:, None] * surface.shapes)
+    mix = cosines(room, orders, places)
+    found = np.zeros((len(places), surface.shapes.shape[1], len(s)), dtype=np.complex128)
+    for start in range(0, len(s), LINES):
+        lines = slice(start, start + LINES)
+        near = int(np.searchsorted(k_lm, reach[lines].max(), side="right"))
+        ways = transfer(room, s[lines], k_lm[:near], heights)
+        for row, height in enumerate(plane):
+            shares = (coefficients[:near] * mix[row, :near, None]).T
+            found[row, :, lines] = (shares @ ways[height].view(np.float64)).view(np.complex128)
+    return found
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What a velocity does after its record ends: the part that a discrete Fourier transform invents if nobody says.
+# ----------------------------------------------------------------------------------------------------------------------
+
+PADDING: Final = 1.5  # length of the transform over that of the record
+FADE: Final = 0.8  # share of half the sampling from which a spectrum is faded out
+_FLANK: Final = 5.0  # half the width of the Gaussian flank: 8e-13 is left of it at either end
+WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding is amplified by exp(a T) to 2e-10
+
+
+def transform_axis(nt: int, dt: float, *, damped: bool = True) -> tuple[Complexes, Floats]:
+    """Complex frequencies s [nf] [1/s] and weights [length] of the transform of a record of `nt` samples.
+
+    damped : s = a + j omega, the record weighted with exp(-a t), a T = 13.5; otherwise s = j omega and weights of 1.
+    """
+    length = fast_length(int(np.ceil(PADDING * nt)))
+    decay = WINDOW / (nt * dt) if damped else 0.0
+    s = np.asarray(decay + 2j * np.pi * np.fft.rfftfreq(length, dt), dtype=np.complex128)
+    return s, np.exp(-decay * dt * np.arange(length))
+
+
+@lru_cache(maxsize=256)  # it is asked for every band of every record
+def fast_length(n: int) -> int:
+    """Smallest even number >= `n` without prime factors above 5, at which Fourier transforms are fast.
+
+    >>> fast_length(192000), fast_length(97)
+    (192000, 100)
+    """
+    odd: list[int] = [3**j * 5**k for j in range(20) for k in range(14)]
+    return min(part << max(1, (-(-n // part) - 1).bit_length()) for part in odd)
+
+
+def band_end(nf: int) -> Floats:
+    """Weights [nf] of a spectrum from 0 to half the sampling: 1, from 0.8 of it down to 0 as half a cosine.
+
+    Notes
+    -----
+    A spectrum that is cut at half the sampling is heard before its cause, as sin(x)/x; wrapped around to the end of
+    the record that is amplified by exp(a T), to more than the sound itself where the sampling is coarse.
+    """
+    above = np.clip((np.arange(nf) / (nf - 1) - FADE) / (1 - FADE), 0, 1)
+    return np.asarray(0.5 * (1 + np.cos(np.pi * above)))
+
+
+def band_cut(frequency_hz: Floats, up_to_hz: float) -> Floats:
+    """Weights [nf] of a spectrum that is not wanted above a frequency: 1 to a third octave beyond it, 0 an octave on.
+
+    Notes
+    -----
+    As the integral of a Gaussian, whose transform is over within some periods of `up_to_hz`: a fade with corners rings
+    for the whole record, which is amplified by exp(a T).
+    """
+    low, high = up_to_hz * 10**0.1, 2 * up_to_hz * 10**0.1
+    flank = _FLANK * (2 * (frequency_hz - low) / (high - low) - 1)
+    return 0.5 * np.array([erfc(place) for place in flank.tolist()])
+
+
+def extended(velocity: Floats, length: int) -> Floats:
+    """`velocity` [n, nt] continued to `length` samples and brought smoothly to rest there.
+
+    Notes
+    -----
+    Reflected about its last sample, so that value and slope go on, and faded out by half a cosine. A causal room
+    cannot hear it within the record; a jump to zero would ring, through the band limit, back into the last 5 %.
+    """
+    nt = velocity.shape[1]
+    tail = min(nt - 1, length - nt - 1)
+    fade = 0.5 * (1 + np.cos(np.pi * np.arange(1, tail + 1) / (tail + 1)))
+    mirrored = 2 * velocity[:, -1:] - velocity[:, -2 : -2 - tail : -1]
+    whole = np.zeros((len(velocity), length))
+    whole[:, :nt] = velocity
+    whole[:, nt : nt + tail] = mirrored * fade
+    return whole
+
+
+def returned(velocity: Floats, length: int) -> Floats:
+    """`extended`, with a smooth pulse in the padding that brings the displacement back to where it started."""
+    whole = extended(velocity, length)
+    nt = velocity.shape[1]
+    pulse = 1 - np.cos(2 * np.pi * np.arange(length - nt) / (length - nt))
+    whole[:, nt:] -= np.outer(whole.sum(axis=1), pulse / pulse.sum())
+    return whole
+
+
+def faded(p: Floats, samples: int) -> Floats:
+    """`p` [nt] and after it its last value, fading to zero as half a cosine over `samples`."""
+    return np.concatenate([p, p[-1] * 0.5 * (1 + np.cos(np.pi * np.arange(1, samples + 1) / (samples + 1)))])
+
+
+def source_bandwidth(velocity: Floats, dt: float) -> float:
+    """Frequency [Hz] below which all but 1e-6 of the energy of the velocities [n, nt] lies."""
+    length = fast_length(2 * velocity.shape[1])
+    energy = (np.abs(np.fft.rfft(extended(velocity, length), axis=1)) ** 2).sum(axis=0)
+    total = np.cumsum(energy)
+    highest = int(np.searchsorted(total, (1 - 1e-6) * total[-1])) if total[-1] > 0 else 0
+    return float(np.fft.rfftfreq(length, dt)[highest])
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# The sound at many places, kept as few histories of cosines until the end: one product of matrices a height.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """The sound at the receivers of one height so far: histories [n_here, nt], those of cosines not yet mixed.
+
+    rows : which of all receivers. places : theirs [n_here, 3] [m]. own : a part of their sound, None for nothing.
+    mixes, histories : the other parts, each mix [n_here, n] times histories [n, nt] of cosines. Where cosines are
+        fewer than listeners they are mixed only once, at the end: a thousand histories are too much to be added up
+        again and again.
+    """
+
+    rows: Integers
+    places: Floats
+    own: Floats | None = None
+    mixes: tuple[Floats, ...] = ()
+    histories: tuple[Floats, ...] = ()
+
+
+Heard = tuple[Plane, ...]  # at all heights, from the lowest
+
+
+def silence(places: Floats) -> Heard:
+    """Receivers at places [n, 3] [m] by their heights, without sound yet."""
+    heights, plane = np.unique(places[:, 2], return_inverse=True)
+    rows = [np.flatnonzero(plane == number) for number in range(len(heights))]
+    return tuple(Plane(here, places[here]) for here in rows)
+
+
+def added(plane: Plane, mix: Floats | None, history: Floats) -> Plane:
+    """With histories [n, nt] of cosines, mixed by mix [n_here, n]; of the listeners themselves where it is None."""
+    if mix is None:
+        own = history if plane.own is None else plane.own + history
+        return Plane(plane.rows, plane.places, own, plane.mixes, plane.histories)
+    return Plane(plane.rows, plane.places, plane.own, (*plane.mixes, mix), (*plane.histories, history))
+
+
+def energies(heard: Heard) -> Floats:
+    """Energy at every listener [n], sums of squares."""
+    energy = np.zeros(sum(len(plane.rows) for plane in heard))
+    for plane in heard:
+        if plane.own is None and plane.mixes:
+            energy[plane.rows] = energy_of(np.hstack(plane.mixes), np.vstack(plane.histories))
+        elif plane.own is not None:
+            energy[plane.rows] = energy_of(None, _mixed(plane, plane.own.shape[1]))
+    return energy
+
+
+def pressure_of(heard: Heard, nt: int) -> Floats:
+    """Pressure at every listener [n, nt], read-only."""
+    wholes = [_mixed(plane, nt) for plane in heard]
+    p = wholes[0]
+    if len(wholes) > 1:
+        p = np.empty((sum(map(len, wholes)), nt))
+        for plane, whole in zip(heard, wholes, strict=True):
+            p[plane.rows] = whole
+    p.flags.writeable = False
+    return p
+
+
+def _mixed(plane: Plane, nt: int) -> Floats:
+    if not plane.mixes:
+        return np.zeros((len(plane.rows), nt)) if plane.own is None else plane.own
+    mixed: Floats = np.hstack(plane.mixes) @ np.vstack(plane.histories)
+    if plane.own is not None:
+        mixed += plane.own
+    return mixed
+
+
+def energy_of(mix: Floats | None, history: Floats) -> Floats:
+    """Sums of squares [n_here] of mix @ history, by the products of the histories; of histories where mix is None.
+
+    From about 16,000 samples at least, which tell well enough.
+    """
+    every = max(1, history.shape[1] // SEEN)
+    history = history[:, ::every]
+    if mix is None:
+        return np.asarray(every * np.einsum("rt,rt->r", history, history))
+    mix = mix * np.sqrt(every)
+    energy: Floats = np.einsum("rn,rn->r", mix @ (history @ history.T), mix)
+    return energy.clip(0.0)
+
 
 LEAST_DRIVE: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
@@ -276,3 +514,153 @@ def _through(
             still = np.where(k_lm == 0, compression * (coefficients @ displaced), 0)
             part[:, 0] = mix @ still if _few(mix) else still
     return parts
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# A room's transfer from the modes of its ceiling to its listeners, which a next motion of that ceiling takes again.
+# ----------------------------------------------------------------------------------------------------------------------
+
+_KEPT_TILE: Final = 256  # cosines handled at once
+_KEPT_BLOCK: Final = 1 << 15  # complex numbers handled at once: they stay in the cache
+_LEAST_WEIGHT: Final = 1e-12  # weight of a line from which on it is left out
+
+
+@dataclass(frozen=True, eq=False)
+class RoomTransfer:
+    """From the rates of a ceiling's modes to the pressures at receivers of a room, on the lines of one record.
+
+    surface : the first of the motions whose cosines were searched for. blocks : the cosines [n, 2] that were evaluated,
+    block by block. orders [m, 2] : all that were looked at.
+    """
+
+    room: Box
+    receivers: tuple[Receiver, ...]
+    surface: SurfaceVelocity
+    up_to_hz: float
+    blocks: tuple[Integers, ...]
+    orders: Integers
+
+    @cached_property
+    def ways(self) -> tuple[Complexes, Complexes]:
+        """Pressure over modal rate [r, k, nf], of all cosines and of those added last, weighted for the record's
+        transform."""
+        before, last = (_ways(self, block) for block in (np.concatenate(self.blocks[:-1]), self.blocks[-1]))
+        return before + last, last
+
+    def prepare(self) -> None:
+        """Find the ways now."""
+        _ = self.ways
+
+    @property
+    def per_rate(self) -> Complexes:
+        """Pressure over modal rate [r, k, nf] on the first of the lines `transform_axis` gives for the record."""
+        return self.ways[0]
+
+    def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
+        """Whether a motion is one of this ceiling in this room, in a record of the same length and sampling."""
+        mine = self.surface
+        words = ("points", "weights", "shapes")
+        return (
+            isinstance(room, Box)
+            and (up_to_hz, _values(room)) == (self.up_to_hz, _values(self.room))
+            and [one.name for one in receivers] == [one.name for one in self.receivers]
+            and np.array_equal(positions(receivers), positions(self.receivers))
+            and (mine.rates.shape, mine.dt) == (surface.rates.shape, surface.dt)
+            and all(np.array_equal(getattr(mine, word), getattr(surface, word)) for word in words)
+        )
+
+    def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
+        """Pressures of other motions, to rounding those of the ceiling's cosines; None where they need other cosines.
+
+        surfaces : motions of the transfer's own ceiling, see `of`.
+
+        Notes
+        -----
+        Cosines that were left out as inaudible must be so now, those added last must add no more than they may, and
+        none of the motions' band must be missing: the tests of the search that found them.
+        """
+        alike(surfaces)
+        first, room, orders, (whole, last) = surfaces[0], self.room, self.orders, self.ways
+        nt = first.rates.shape[1]
+        broad = project(first, room, square(2, 2))
+        highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
+        _, weight = transform_axis(nt, first.dt)
+        found, quietest = [], []
+        for surface, highest in zip(surfaces, highest_hz, strict=True):
+            spectra = np.fft.rfft(extended(surface.rates, len(weight)) * weight, axis=1)[:, : whole.shape[2]]
+            p, share = _heard(whole, spectra, weight, nt), _heard(last, spectra, weight, nt)
+            energy, part = (np.einsum("rt,rt->r", one, one) for one in (p, share))
+            worst = float(np.sqrt(np.divide(part, energy, out=np.zeros_like(energy), where=energy > 0).max()))
+            if worst >= ENOUGH:
+                return None
+            quietest.append(float(energy.min()) * len(self.blocks))  # each block left out as much as it may
+            findings = (
+                *source_advice(surface, room, orders, highest),
+                *truncation(worst, orders),
+                *one_way(room),
+            )
+            found.append(RoomResponse(self.receivers, surface.t, p, findings))
+        top = min(max(highest_hz), 2 * self.up_to_hz)
+        if not undriven(surfaces, room, orders, top):
+            return None
+        products, left = [moved(surface) for surface in surfaces], not_in(orders, np.concatenate(self.blocks))
+        missed = len(left) and audible(project(first, room, left), products, room, left, quietest).any()
+        return None if missed else found
+
+
+def search(
+    surfaces: Sequence[SurfaceVelocity], room: Box, receivers: Sequence[Receiver], up_to_hz: float = inf
+) -> tuple[list[RoomResponse], RoomTransfer | None]:
+    """Pressures as `acoustics.rooms.box_pressure.pressures` has them, and the transfer through the cosines they took.
+
+    None for losses of kind ``source``, whose transform has no weighting. Raises AcousticsError as `pressures` does.
+    """
+    responses, blocks, orders = pressures_and_orders(surfaces, room, receivers, up_to_hz=up_to_hz)
+    if room.losses.kind == "source":
+        return responses, None
+    return responses, RoomTransfer(room, tuple(receivers), surfaces[0], up_to_hz, tuple(blocks), orders)
+
+
+def _values(room: Box) -> tuple[object, ...]:
+    """All that a room is made of, to be compared."""
+    return (*room.size.tolist(), *astuple(room.air), *astuple(room.losses))
+
+
+def _heard(ways: Complexes, spectra: Complexes, weight: Floats, nt: int) -> Floats:
+    """Pressures [r, nt] of modal rates with spectra [k, nf]."""
+    p = np.fft.irfft(np.einsum("rkf,kf->rf", ways, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
+    p.flags.writeable = False
+    return np.asarray(p)
+
+
+def _ways(kept: RoomTransfer, orders: Integers) -> Complexes:
+    """Pressure over modal rate [r, k, nf] that some cosines make, weighted as spectra of the record are."""
+    surface, room, receivers, up_to_hz = kept.surface, kept.room, kept.receivers, kept.up_to_hz
+    s, _ = transform_axis(surface.rates.shape[1], surface.dt)
+    wanted = band_end(len(s)) * (band_cut(s.imag / (2 * np.pi), up_to_hz) if up_to_hz < inf else 1.0)
+    nf = int(np.flatnonzero(wanted > _LEAST_WEIGHT)[-1]) + 1
+    s, places = s[:nf], positions(receivers)
+    heights, plane = np.unique(places[:, 2], return_inverse=True)
+    found = np.zeros((len(receivers), surface.shapes.shape[1], nf), dtype=np.complex128)
+    if not len(orders):
+        return found
+    orders = orders[np.argsort(horizontal_wavenumber(room, orders), kind="stable")]
+    k_lm, coefficients, mix = (
+        horizontal_wavenumber(room, orders),
+        project(surface, room, orders),
+        cosines(room, orders, places),
+    )
+    nearest = float(room.size[2] - heights.max())
+    reach = np.sqrt(np.abs(wavenumber_squared(room.losses, room.air, s)))
+    reach = np.hypot(reach, -np.log(LEAST_EVANESCENT) / nearest) if nearest > 0 else np.full(nf, inf)
+    for low in range(0, len(orders), _KEPT_TILE):
+        tile = slice(low, low + _KEPT_TILE)
+        width = max(1, _KEPT_BLOCK // len(k_lm[tile]))
+        for start in range(int(np.searchsorted(reach, k_lm[tile][0])), nf, width):
+            band = slice(start, min(start + width, nf))
+            ways = transfer(room, s[band], k_lm[tile], heights)
+            for row, height in enumerate(plane):
+                shares = (coefficients[tile] * mix[row, tile, None]).T
+                found[row, :, band] += (shares @ ways[height].view(np.float64)).view(np.complex128)
+    found *= wanted[:nf]
+    return found

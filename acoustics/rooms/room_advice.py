@@ -10,8 +10,7 @@ import numpy as np
 
 from acoustics.arrays import Integers
 from acoustics.errors import Advice
-from acoustics.rooms.box import Box
-from acoustics.rooms.box_transfer import cosines, project
+from acoustics.rooms.box import Box, cosines, project
 from acoustics.source import SurfaceVelocity
 
 # Of the source's highest frequency. Measured by leaving out samples of shipped studies, a bang machine and two balls on

@@ -10,12 +10,10 @@ from scipy.sparse import csr_array, vstack
 from scipy.sparse.linalg import lsqr
 
 from femstruct.arrays import Floats
-from femstruct.assembly.dofs import number_dofs
-from femstruct.assembly.ties import RANK, eliminate
+from femstruct.assembly.ties import RANK, eliminate, number_dofs
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.errors import Finding
-from femstruct.model.anchors import point_rows
-from femstruct.model.model import Model
+from femstruct.model.model import Model, point_rows
 
 _INVOLVED: Final = 1e-6  # of the largest factor: an equation with less is not part of a combination
 _EXACT: Final = 1e-13  # residual of the least-squares solver: equations are normalised, so this is rounding

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, Final, Protocol
 
-from femstruct.campaign.journal import Row
+from femstruct.campaign.rows import Row
 from femstruct.campaign.tasks import Work, run_task
 from femstruct.errors import InputError
 

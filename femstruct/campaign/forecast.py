@@ -12,27 +12,21 @@ from typing import Final
 
 import numpy as np
 
-from femstruct.campaign.batch.batch_rows import BatchTask, batch_tasks
-from femstruct.campaign.designs import Designs
+from femstruct.campaign.batch_rows import BatchTask, batch_tasks
+from femstruct.campaign.designs import Designs, refuse_values, refused_ends, with_limits_of_study, with_place
 from femstruct.campaign.executors import Done, Tick
-from femstruct.campaign.gathered import make_ready
-from femstruct.campaign.journal import Row, opened
-from femstruct.campaign.numbers import APART
-from femstruct.campaign.samples import samples_of
-from femstruct.campaign.tasks import Split, Task, Work, forget_bases, run_task, split
-from femstruct.campaign.tried import refuse_values, refused_ends, with_limits_of_study, with_place
+from femstruct.campaign.rows import APART, Row, opened
+from femstruct.campaign.tasks import Split, Task, Work, forget_bases, make_ready, run_task, samples_of, split
 from femstruct.errors import InputError
-from femstruct.language import read_study
 from femstruct.language.campaigns import set_by_cases
-from femstruct.language.yaml import read_yaml
-from femstruct.study.campaign.sought import FEWEST_RUNS, Search
-from femstruct.study.campaign.varied import Campaign, Listed, Scattered
+from femstruct.language.cases import read_study
+from femstruct.study.campaigns import Campaign, Listed, Scattered
+from femstruct.study.optima import FEWEST_RUNS, Search
 from femstruct.study.study import Plan
-from femstruct.view.campaigns.not_known import why_not_known
-from femstruct.view.campaigns.swept_table import written
-from femstruct.view.campaigns.varied_words import range_of
-from femstruct.workflow.progress import Progress, duration
-from femstruct.workflow.stages.modal_bases import key_of
+from femstruct.view.campaign_answers import range_of, why_not_known, written
+from femstruct.workflow.bases import key_of
+from femstruct.workflow.provenance import Progress, duration
+from femstruct.yaml.reader import read_yaml
 
 POINT: Final = {"lower": 0.95, "upper": 0.05}  # of a range of which that end cannot be
 MANY: Final = 8  # values that are listed

@@ -9,21 +9,17 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from femstruct.campaign.batch.batch_rows import batch_tasks
+from femstruct.campaign.batch_rows import batch_tasks
 from femstruct.campaign.executors import Crew, crew
-from femstruct.campaign.gathered import gathered, make_ready, versions
-from femstruct.campaign.journal import Journal, Row, moved_aside, opened
-from femstruct.campaign.numbers import APART
-from femstruct.campaign.samples import Samples, samples_of
-from femstruct.campaign.tasks import Work, first_read, split
+from femstruct.campaign.rows import APART, Journal, Row, moved_aside, opened
+from femstruct.campaign.tasks import Samples, Work, first_read, gathered, make_ready, samples_of, split, versions
 from femstruct.declared import Count, expect
 from femstruct.errors import InputError, some_of
-from femstruct.language.yaml.tree import near_one
-from femstruct.study.campaign.swept import Swept
-from femstruct.study.campaign.varied import Campaign
+from femstruct.study.campaigns import Campaign, Swept
 from femstruct.study.study import Plan
-from femstruct.workflow.progress import Progress, counted
-from femstruct.workflow.stages.fingerprint import fingerprint
+from femstruct.workflow.bases import fingerprint
+from femstruct.workflow.provenance import Progress, counted
+from femstruct.yaml.reader import near_one
 
 MOST: Final = 8  # names in a message
 ROWS: Final = "sweep.rows"  # where rows are kept as they come, until all are there

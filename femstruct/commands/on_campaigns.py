@@ -21,15 +21,15 @@ from femstruct.commands.shared import (
     Workers,
     as_typed,
     command,
+    print_json,
+    progress,
 )
-from femstruct.commands.study_answers import print_json, progress
 from femstruct.errors import FemstructError
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
 if TYPE_CHECKING:  # slow to import
-    from femstruct.study.campaign.front import Front
-    from femstruct.study.campaign.sought import Found
-    from femstruct.study.campaign.swept import Swept
+    from femstruct.study.campaigns import Swept
+    from femstruct.study.optima import Found, Front
 
 
 @command
@@ -69,14 +69,13 @@ def sweep(
     """Run a study for many values of its numbers. They stand in the study under 'vary:', or are given by --vary. Rows
     are kept as they come; the same command goes on where it was interrupted."""
     from femstruct.campaign.forecast import planned
-    from femstruct.campaign.kept_rows import write_rows
+    from femstruct.campaign.rows import write_rows
     from femstruct.campaign.sweep import ROWS, set_aside
     from femstruct.campaign.sweep import sweep as swept
-    from femstruct.files.atomic import refuse_unwritable
+    from femstruct.files.writing import refuse_unwritable
     from femstruct.language.campaigns import read_campaign
-    from femstruct.view.campaigns.swept_table import swept_pieces
-    from femstruct.view.tables.console import console
-    from femstruct.view.tables.grid import show
+    from femstruct.view.campaign_answers import swept_pieces
+    from femstruct.view.console import console, show
 
     asked = read_campaign(study, vary, set_, case, samples or None, only)
     if plan:
@@ -91,7 +90,7 @@ def sweep(
         names = rows.finer(results)
         written = write_rows(rows, folder, names, tell, pictures=not no_pictures)
     if as_json:
-        from femstruct.files.tables.sweep_tables import sweep_table
+        from femstruct.files.campaign_tables import sweep_table
 
         print_json(sweep_table(rows, names))
     else:
@@ -135,17 +134,15 @@ def optimise(
     command goes on."""
     from femstruct.campaign.forecast import planned_search
     from femstruct.campaign.front_search import pareto_front
-    from femstruct.campaign.kept_rows import write_optimum
+    from femstruct.campaign.optimise import ROWS, set_aside
     from femstruct.campaign.optimise import optimise as optimised
-    from femstruct.campaign.searching import ROWS, set_aside
-    from femstruct.files.atomic import refuse_unwritable
-    from femstruct.files.tables.front_tables import front_table
-    from femstruct.files.tables.optimum_tables import optimum_table
-    from femstruct.language.searches import read_search
-    from femstruct.study.campaign.front import Front
-    from femstruct.view.campaigns.campaign_page import answer_pieces
-    from femstruct.view.tables.console import console
-    from femstruct.view.tables.grid import show
+    from femstruct.campaign.rows import write_optimum
+    from femstruct.files.campaign_tables import front_table, optimum_table
+    from femstruct.files.writing import refuse_unwritable
+    from femstruct.language.campaigns import read_search
+    from femstruct.study.optima import Front
+    from femstruct.view.campaign_page import answer_pieces
+    from femstruct.view.console import console, show
 
     goals = [f"minimise {one}" for one in minimise] + [f"maximise {one}" for one in maximise]
     search = read_search(study, goals, vary, limit, set_, case, runs or None)
@@ -188,7 +185,7 @@ def _tell_files(what: str, moved: Path | None, written: Iterable[Path]) -> None:
 
 def _sweep_beside(*folders: Path) -> Swept | None:
     """The first sweep in some folders; one that cannot be read is named and left."""
-    from femstruct.files.results_file.swept_file import SWEEP, read_swept
+    from femstruct.files.campaign_files import SWEEP, read_swept
 
     for folder in folders:
         if (folder / SWEEP).exists():

@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from femstruct.commands.shared import AsJson, command
-from femstruct.commands.study_answers import print_json, progress
+from femstruct.commands.shared import AsJson, command, print_json, progress
 from femstruct.exits import GOOD
 
 Kind = Literal["model", "study", "summary"]
@@ -16,9 +15,8 @@ Kind = Literal["model", "study", "summary"]
 @command
 def warm_up() -> int:
     """Compile the simulation kernels now. This takes about 15 seconds, once; otherwise the first simulation does it."""
-    from femstruct.impact.compiled.store import folder
-    from femstruct.impact.compiled.workers import compilation
-    from femstruct.impact.engine.needed_units import ALL
+    from femstruct.compiled.store import compilation, folder
+    from femstruct.impact.simulate import ALL
 
     with progress() as tell, compilation(ALL) as kernels:
         kernels.wait(tell)
@@ -50,11 +48,11 @@ def schema(
 ) -> int:
     """Print the JSON schema of a file. For editors, of a model or a study file; for programs, of summary.json."""
     if kind == "summary":
-        from femstruct.files.tables.summary_schema import summary_schema
+        from femstruct.files.summary_schema import summary_schema
 
         print_json(summary_schema())
         return GOOD
-    from femstruct.language import json_schema
+    from femstruct.language.cases import json_schema
 
     print_json(json_schema(kind))
     return GOOD
@@ -68,8 +66,8 @@ def materials(
     as_json: AsJson = False,
 ) -> int:
     """List materials and products with their sources. For 'like: NAME' in a model."""
-    from femstruct.files.tables.library_tables import library_table
-    from femstruct.model.library.all_entries import looked_up
+    from femstruct.files.tables import library_table
+    from femstruct.model.library_entries import looked_up
 
     entries = looked_up(words or ())
     if as_json:
@@ -90,7 +88,7 @@ def new(
     as_json: AsJson = False,
 ) -> int:
     """Write a model and a study to start from. Into this folder, never over a file."""
-    from femstruct.files.templates.starting_files import KINDS, what_of, write_new
+    from femstruct.templates.starting_files import KINDS, what_of, write_new
 
     if not kind:
         listed = {one: what_of(one) for one in KINDS}

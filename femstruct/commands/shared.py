@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import functools
+import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, Final
+from textwrap import wrap
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
-from femstruct.exits import INTERRUPTED, refuse_unreadable_words
+from femstruct.errors import InputError, InputErrors, sentence
+from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED, refuse_unreadable_words
+
+if TYPE_CHECKING:
+    from femstruct.study.results import StudyResult
+    from femstruct.study.study import Plan
+    from femstruct.workflow.provenance import Progress
+
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="a study: what happens to a structure (YAML)")]
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL", help="a model: what the structure is (YAML)")]
@@ -55,3 +65,195 @@ def command(function: Callable[..., int]) -> Callable[..., None]:
         raise typer.Exit(code)
 
     return called
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What the commands that read a results file share: find it, draw of it what is asked for. Nothing is solved.
+# ----------------------------------------------------------------------------------------------------------------------
+
+LINE: Final = 110  # characters of a line of names
+SOLID: Final = ("model", "mode_shapes", "rooms", "stress")  # pictures in three dimensions, some of several files
+
+
+def pictures_of(result: StudyResult) -> dict[str, str]:
+    """The pictures that a study may have, by the names of the files without their ending: "" of those that can be
+    drawn, of others why not."""
+    from femstruct.view.plots import drawings
+    from femstruct.view.room_scene import no_room_pictures
+    from femstruct.view.undrawn import no_model, no_shapes, no_stresses
+
+    flat = {name.removesuffix(".png"): one.why_not() for name, one in drawings(result).items()}
+    solid = (no_model(result), no_shapes(result), no_room_pictures(result), no_stresses(result))
+    return flat | dict(zip(SOLID, solid, strict=True))
+
+
+def plotted(result: StudyResult, what: str, folder: Path) -> list[Path]:
+    """Draw one picture of a study, or all shapes of modes, or all of its rooms, to a folder; returns the files.
+
+    Raises InputError for a name that is none of `pictures_of`, and for a picture with nothing to show, with the reason.
+    """
+    from femstruct.view.drawing import save
+    from femstruct.view.plots import drawings
+
+    known = pictures_of(result)
+    if what not in known:
+        names = [name for name, why_not in known.items() if not why_not]
+        near = get_close_matches(what, names, n=1)
+        do = f"did you mean '{near[0]}'?" if near else ""
+        listed = wrap(", ".join(names), LINE, break_long_words=False, break_on_hyphens=False)
+        raise InputErrors((sentence("WHAT", f"'{what}'", "one of these names", do), *listed))
+    if known[what]:
+        got = f"nothing to show in this study: {known[what]}"
+        raise InputError(what, got=got, expected="a picture that can be drawn", do="choose another one")
+    folder.mkdir(parents=True, exist_ok=True)
+    if what not in SOLID:
+        figure = drawings(result)[f"{what}.png"].draw()
+        return [save(figure, folder / f"{what}.png")] if figure is not None else []
+    from femstruct.view.model_scene import drawn_beside, model_picture, shapes_all
+    from femstruct.view.room_scene import room_pictures, stress_pictures
+
+    draw = dict(zip(SOLID, (model_picture, shapes_all, room_pictures, stress_pictures), strict=True))[what]
+    paths, left_out = drawn_beside(lambda: draw(result, folder))()
+    if not paths:
+        raise InputError(what, got=left_out, expected="a picture that can be drawn", do="choose another one")
+    return paths
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What the commands of a study share: read, simulate, print, watch, and the exit code it deserves.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool, with_rooms: bool) -> int:
+    """Simulate a study and print it; nothing is written. Returns the exit code."""
+    _, result = solved(study, sets, case, with_rooms=with_rooms)
+    return shown(result, {}, "", as_json, verbose)
+
+
+def shown(
+    result: StudyResult, seconds: Mapping[str, float], folder: str, as_json: bool, verbose: bool, told: str = ""
+) -> int:
+    """Print a result, as tables or as JSON; returns its exit code.
+
+    seconds : of CPU, by stage, for writing to the folder. told : what more there is to say, not in JSON.
+    """
+    if as_json:
+        from femstruct.files.study_tables import summary
+
+        print_json(summary(result))
+    else:
+        from femstruct.view.terminal import show_study
+
+        show_study(result, seconds, folder, verbose)
+        if told:
+            print(told)
+    return verdict(result)
+
+
+def solved(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
+    """A study as it was read, and its result."""
+    from femstruct.language.cases import read_study
+    from femstruct.workflow.bases import positioned
+    from femstruct.workflow.run import run_study, without_rooms
+
+    plan = read_study(study, tuple(sets), only=case or None)
+    if not with_rooms:
+        plan = without_rooms(plan)
+    with progress() as tell, positioned(plan):
+        return plan, run_study(plan, tell, as_typed())
+
+
+def watched(
+    study: Path,
+    sets: list[str],
+    case: str,
+    folder: Path,
+    as_json: bool,
+    verbose: bool,
+    pictures: bool,
+    keep: Progress | None,
+) -> int:
+    """Rounds of a study until Ctrl-C; then all files of the last one are written. keep : as for `rounds`."""
+    from femstruct.exits import tell
+    from femstruct.workflow.run import write_all
+    from femstruct.workflow.watch import rounds
+
+    code, last = GOOD, None
+    try:
+        with progress() as told:
+            for one in rounds(study, sets, case, folder, told, command=as_typed(), keep=keep):
+                if one.error is not None:
+                    code = tell(one.error)
+                    said = "Not run: the last results are unchanged"
+                elif one.result is not None:
+                    code, last = verdict(one.result), one.result
+                    shown(last, {}, str(folder), as_json, verbose)
+                    said = f"{one.seconds:.2f} s, reused: {one.reused}"
+                print(f"{said}; waiting for a change, Ctrl-C ends", file=sys.stderr)
+                told("waiting for a change of the study's files")
+    except KeyboardInterrupt:
+        if last is not None:
+            print("writing results.h5 and pictures of the last run too; Ctrl-C again leaves them out", file=sys.stderr)
+            with progress() as told:
+                write_all(last, folder, told, pictures)
+    return code
+
+
+def verdict(result: StudyResult) -> int:
+    """The exit code of a result: 3 if any finding forbids to trust it."""
+    if any(finding.code == "interrupted" for finding in result.findings):
+        return INTERRUPTED
+    severe = [finding for case in result.cases.values() for finding in case.findings if finding.severe]
+    return NOT_TRUSTED if severe else GOOD
+
+
+def on_stderr(line: str) -> None:
+    """A line beside what is printed, for a person."""
+    print(line, file=sys.stderr)
+
+
+def progress() -> Any:
+    """A line that says what is being computed, on a terminal."""
+    from femstruct.view.console import progress as shown
+
+    return shown()
+
+
+def print_json(table: Any) -> None:
+    """A table as JSON on stdout."""
+    print(json.dumps(table, indent=1, allow_nan=False))
+
+
+def responses(
+    model: Path,
+    drives: list[str],
+    heard: list[str],
+    asked: tuple[str, str, str, str],
+    to: Literal["csv", "npz", "uff"] | None,
+    folder: Path,
+    sets: tuple[str, ...],
+    as_json: bool,
+    verbose: bool,
+) -> int:
+    """Print several frequency responses of a model, or write them to a file; returns the exit code.
+
+    asked : band, step, kind and method.
+    """
+    from femstruct.files.writing import refuse_unwritable
+    from femstruct.view.structure_tables import show_frfs, show_written
+    from femstruct.workflow.exchange import frfs_of, refuse_unknown, write_frfs
+
+    band, step, kind, method = asked
+    refuse_unknown(to or "", method)
+    if to is not None:
+        refuse_unwritable(folder)
+    with progress() as tell:
+        tell("modes and frequency responses")
+        table, told, positions = frfs_of(model, drives, heard, band, step, kind, sets)
+    if to is not None:
+        path = write_frfs(table, positions, to, folder, model, as_typed())
+        written = {"written": [str(path)], "findings": told["findings"]}
+        print_json(written) if as_json else show_written(written, verbose)
+    else:
+        print_json(told) if as_json else show_frfs(told, verbose)
+    return NOT_TRUSTED if any(finding["severe"] for finding in told["findings"]) else GOOD

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats, Integers
-from femstruct.elements.quadrature import gauss_interval
+from femstruct.elements.polynomials import gauss_interval
 from femstruct.errors import InputError
 
 GAUSS_POINTS = 3

@@ -30,18 +30,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats
-from femstruct.elements.facets.axes import symmetric
-from femstruct.elements.facets.congruent import each_once
-from femstruct.elements.facets.motion import in_plane_inertia, in_plane_rows, side_displacements
-from femstruct.elements.facets.quadrilateral import (
+from femstruct.elements.flat_elements import (
     cells,
+    each_once,
     gradients,
+    in_plane_inertia,
+    in_plane_rows,
+    per_area,
+    side_displacements,
     slopes,
     square_points,
+    symmetric,
+    symmetric_rigidity,
     value_products,
     values,
 )
-from femstruct.elements.facets.rigidity import per_area, symmetric_rigidity
 from femstruct.elements.plate import CORNERS
 from femstruct.elements.polynomials import positive
 

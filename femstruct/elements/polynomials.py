@@ -1,8 +1,8 @@
 """Shape functions on the unit interval as polynomial coefficients, and their exact integrals.
 
 A family of shape functions is an array [n, 4]: row k holds the coefficients of 1, s, s^2, s^3. All coefficients are
-whole numbers or halves, so integrals of products, computed as whole numbers over 420 = lcm(1..7), are exact but for one
-final division.
+whole numbers or halves, so integrals of products, computed as whole numbers over 420 = lcm(1..7), are exact but for
+one final division.
 """
 
 from __future__ import annotations
@@ -84,3 +84,22 @@ def positive(where: str, values: ArrayLike) -> Floats:
     if not good.all():
         raise InputError(where, got=str(array[~good].flat[0]), expected="finite values above zero")
     return array
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Gauss points on the unit interval.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+@cache
+def gauss_interval(n: int) -> tuple[Floats, Floats]:
+    """Points and weights [n] on 0 to 1, exact for polynomials up to degree 2 n - 1; the weights sum to 1.
+
+    >>> points, weights = gauss_interval(3)
+    >>> round(float(weights @ points**5), 12)
+    0.166666666667
+    """
+    points, weights = np.polynomial.legendre.leggauss(n)
+    points, weights = (points + 1.0) / 2.0, weights / 2.0
+    points.flags.writeable = weights.flags.writeable = False  # the cached arrays are shared by all who ask
+    return points, weights

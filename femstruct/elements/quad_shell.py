@@ -1,26 +1,26 @@
 """Quadrilaterals of shells, flat or warped: membrane with drilling rotation, bending and transverse shear.
 
 Membrane action is that of `femstruct.elements.membrane` (Ibrahimbegovic, Taylor, Wilson), bending and shear that of
-MITC4 by Mindlin's theory, for thin and thick shells. Frequencies and deflections converge with h^2: bending
-waves of wave number k are (k h)^2 / 24 too high along the sides of the elements (2.6 % with 8 of them to a wave, 1 %
-with 13) and about (k h)^2 / 36 too low along their diagonals. Curved shells are made of flat elements. The corners
-of a warped element stand off its mean plane and are joined to it by rigid arms along the normal; a twisted beam of 12 x
+MITC4 by Mindlin's theory, for thin and thick shells. Frequencies and deflections converge with h^2: bending waves
+of wave number k are (k h)^2 / 24 too high along the sides of the elements (2.6 % with 8 of them to a wave, 1 % with
+13) and about (k h)^2 / 36 too low along their diagonals. Curved shells are made of flat elements. The corners of a
+warped element stand off its mean plane and are joined to it by rigid arms along the normal; a twisted beam of 12 x
 2 elements is within 1 %.
 
-The DOFs at each corner are UX UY UZ RX RY RZ in global axes. Corner n stands at `femstruct.elements.plate.CORNERS[n]`
-of the unit square: xi runs from corner 0 to corner 3, eta from corner 0 to corner 1. The element's own axes are those
-of `femstruct.elements.facets.axes.frames`: z is the normal, about which the corners go counterclockwise. Rigidities
-are given in these axes, one for all elements or one each::
+The DOFs at each corner are UX UY UZ RX RY RZ in global axes. Corner n stands at
+`femstruct.elements.plate.CORNERS[n]` of the unit square: xi runs from corner 0 to corner 3, eta from corner 0 to
+corner 1. The element's own axes are those of `femstruct.elements.flat_elements.frames`: z is the normal, about
+which the corners go counterclockwise. Rigidities are given in these axes, one for all elements or one each::
 
     (Nx, Ny, Nxy)' = A eps + B kappa     eps = (u_x, v_y, u_y + v_x)
     (Mx, My, Mxy)' = B' eps + D kappa    kappa = (RY_x, -RX_y, RY_y - RX_x)
     (Qx, Qy)'      = As gamma            gamma = (w_x + RY, w_y - RX)
 
-A positive M stretches the side of positive z, where u = u0 + z RY. Rigidities of other directions are brought there by
-`turned` and `angles` of the same module.
+A positive M stretches the side of positive z, where u = u0 + z RY. Rigidities of other directions are brought there
+by `turned` and `angles` of the same module.
 
-References: see `femstruct.elements.membrane` and `femstruct.elements.facets.mitc4`; R. H. MacNeal, R. L. Harder, Finite
-Elements in Analysis and Design 1 (1985) 3-20, doi:10.1016/0168-874X(85)90003-4.
+References: see `femstruct.elements.membrane` and `femstruct.elements.quad_shell`; R. H. MacNeal, R. L. Harder,
+Finite Elements in Analysis and Design 1 (1985) 3-20, doi:10.1016/0168-874X(85)90003-4.
 """
 
 from __future__ import annotations
@@ -32,13 +32,51 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats
-from femstruct.elements import membrane
-from femstruct.elements.facets import motion
-from femstruct.elements.facets.axes import congruent, flattened, frames, out_of_own_axes, own_motion
-from femstruct.elements.facets.congruent import each_once
-from femstruct.elements.facets.mitc4 import shear_rows
-from femstruct.elements.facets.quadrilateral import cells, square_points, value_products, values
-from femstruct.elements.facets.rigidity import Rigidities, masses, section
+from femstruct.elements import flat_elements, membrane
+from femstruct.elements.flat_elements import (
+    Rigidities,
+    cells,
+    congruent,
+    each_once,
+    flattened,
+    frames,
+    gradients,
+    masses,
+    out_of_own_axes,
+    own_motion,
+    section,
+    side_shears,
+    square_points,
+    value_products,
+    values,
+)
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Transverse shear of flat quadrilaterals by Mindlin's theory, with the shear strains of MITC4.
+#
+# The fibres across the plate lean by beta_x = RY and beta_y = -RX, bilinear in the cell as w is. Shear strains are (w_x
+# + beta_x, w_y + beta_y); that along each side is taken in its middle alone and carried linearly into the cell, which
+# is what keeps thin plates from locking.
+#
+# Reference: K. J. Bathe, E. N. Dvorkin, Int. J. Numer. Methods Eng. 21 (1985) 367-383, doi:10.1002/nme.1620210213.
+# ----------------------------------------------------------------------------------------------------------------------
+
+N_SHEAR: Final = 12
+
+
+def shear_rows(corners: Floats, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:
+    """Rows of the shear strains from all w, all beta_x, all beta_y, and areas: [n, g, 2, 12] and [n, g].
+
+    corners [n, 4, 2]; xi, eta : places as `femstruct.elements.flat_elements.gradients` takes them.
+    """
+    xi, eta = np.asarray(xi)[..., None], np.asarray(eta)[..., None]
+    first, second, third, last = np.moveaxis(side_shears(corners), 1, 0)[:, :, None]
+    along_xi = second * eta - last * (1.0 - eta)
+    along_eta = first * (1.0 - xi) - third * xi
+    rows = np.empty((*along_xi.shape[:2], 2, N_SHEAR))
+    rows[:, :, 0], rows[:, :, 1], areas = gradients(corners, xi[..., 0], eta[..., 0], (along_xi, along_eta))
+    return rows, areas
+
 
 N_DOFS: Final = 24
 # Of DOFs in own axes, in the order of `own_motion`.
@@ -106,7 +144,7 @@ def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     [18, 19, 20, 21, 22, 23]
     """
     R, xy, heights = _placed(corners)
-    own = motion.rows(values(xi, eta)[:, :8], heights, motion.side_displacements(xy))
+    own = flat_elements.rows(values(xi, eta)[:, :8], heights, flat_elements.side_displacements(xy))
     return out_of_own_axes(own @ own_motion(R, heights), R)
 
 
@@ -118,7 +156,7 @@ def resultants(
     Arguments as `interpolate` and `stiffness`, the rigidities [..] or [m, ..].
 
     Returns [m, 8, 24], in the axes of each element: N and Q [N/m], M [N]. `turned_resultants` of
-    `femstruct.elements.facets.axes` gives them in other directions.
+    `femstruct.elements.flat_elements` gives them in other directions.
     """
     R, xy, heights = _placed(corners)
     stretch, coupling, bend, shear = section(len(xy), A, B, D, As)
@@ -160,7 +198,7 @@ def _stiffness(drilling: float, R: Floats, xy: Floats, heights: Floats, *rigidit
 
 
 def _mass(R: Floats, xy: Floats, heights: Floats, m0: Floats, m1: Floats, m2: Floats) -> Floats:
-    own = motion.inertia(value_products(xy), motion.side_displacements(xy), m0, m1, m2)
+    own = flat_elements.inertia(value_products(xy), flat_elements.side_displacements(xy), m0, m1, m2)
     return congruent(own, own_motion(R, heights))
 
 

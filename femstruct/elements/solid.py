@@ -11,28 +11,217 @@ hex27   triquadratic                                  the solid, O(h^4)
 ======  ============================================  ==================================================
 
 The DOFs are ux uy uz of each node in global axes. Nodes, shape functions and quadrature are those of
-`femstruct.elements.solid_shapes`; elasticities stand in `femstruct.elements.elasticity`.
+`femstruct.elements.solid`; elasticities stand in `femstruct.elements.solid`.
 
-The stiffness of hex8 has the nine incompatible modes of Wilson with Taylor's correction, which makes it pass the patch
-test in any shape: a plain trilinear cell bends as if it were many times stiffer. They are condensed; mass and motion
-are trilinear.
+The stiffness of hex8 has the nine incompatible modes of Wilson with Taylor's correction, which makes it pass the
+patch test in any shape: a plain trilinear cell bends as if it were many times stiffer. They are condensed; mass and
+motion are trilinear.
 
 References: E. L. Wilson, R. L. Taylor, W. P. Doherty, J. Ghaboussi, in Numerical and Computer Methods in Structural
-Mechanics (Academic Press 1973) 43-57. R. L. Taylor, P. J. Beresford, E. L. Wilson, International Journal for Numerical
-Methods in Engineering 10 (1976) 1211-1219, doi:10.1002/nme.1620100602.
+Mechanics (Academic Press 1973) 43-57. R. L. Taylor, P. J. Beresford, E. L. Wilson, International Journal for
+Numerical Methods in Engineering 10 (1976) 1211-1219, doi:10.1002/nme.1620100602.
 """
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, Integers
 from femstruct.elements.members import densities
-from femstruct.elements.solid_shapes import at_quadrature, node_count, quadrature, shapes
+from femstruct.elements.polynomials import positive
 from femstruct.errors import InputError
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Hooke's law of isotropic and orthotropic solids, in the order xx yy zz xy yz zx of `femstruct.elements.solid`.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def isotropic(E: float, nu: float) -> Floats:
+    """Stresses [6, 6] in Pa of unit strains of an isotropic solid; shear strains twice the tensor's.
+
+    E : Young's modulus [Pa]; nu : Poisson's ratio, between -1 and 0.5. Raises InputError for others.
+
+    >>> isotropic(2.0, 0.0).diagonal()
+    array([2., 2., 2., 1., 1., 1.])
+    """
+    positive("E", E)
+    if not -1.0 < nu < 0.5:
+        raise InputError("nu", got=str(nu), expected="a value between -1 and 0.5")
+    shear = E / (2.0 * (1.0 + nu))
+    lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    C = np.diag([shear] * 6)
+    C[:3, :3] = lame + 2.0 * shear * np.eye(3)
+    return C
+
+
+def compliance(E: Sequence[float], G: Sequence[float], nu: Sequence[float]) -> Floats:
+    """Strains [6, 6] in 1/Pa of unit stresses, shear strains twice the tensor's.
+
+    E : (Ex, Ey, Ez) [Pa]. G : (Gxy, Gyz, Gzx) [Pa]. nu : (nuxy, nuyz, nuzx) [1], nuij being the contraction along j
+    under stress along i; nuij / Ei = nuji / Ej.
+
+    >>> compliance((2.0, 1.0, 1.0), (1.0, 1.0, 4.0), (0.5, 0.0, 0.0))[:2, :2].tolist()
+    [[0.5, -0.25], [-0.25, 1.0]]
+    """
+    S = np.diag(1.0 / np.array([*E, *G], dtype=np.float64))
+    for i, (j, value) in enumerate(zip((1, 2, 0), nu, strict=True)):
+        S[i, j] = S[j, i] = -value / E[i]
+    return S
+
+
+def hooke(E: Sequence[float], G: Sequence[float], nu: Sequence[float]) -> Floats:
+    """Stresses [6, 6] in Pa of unit strains; arguments as `compliance`.
+
+    Raises InputError, with the numbers, for constants with which a solid could give energy without having got any.
+
+    >>> hooke((1.0,) * 3, (0.5,) * 3, (0.0,) * 3).diagonal()
+    array([1. , 1. , 1. , 0.5, 0.5, 0.5])
+    """
+    pairs = (("xy", 0, 1), ("yz", 1, 2), ("zx", 2, 0))
+    for (pair, i, j), value in zip(pairs, nu, strict=True):
+        limit = float(np.sqrt(E[i] / E[j]))
+        if not abs(value) < limit:
+            first, second = pair[0], pair[1]
+            other = value * E[i] / E[j] if abs(value) < 1.0 else 0.0
+            hint = f"; if {value:g} is nu{second}{first}, write {other:.4g}" if 0.0 < other < limit else ""
+            raise InputError(
+                "nu",
+                got=f"nu{pair} = {value:g} with E{first} = {E[i]:g} Pa and E{second} = {E[j]:g} Pa",
+                expected=f"less than sqrt(E{first} / E{second}) = {limit:.4g}",
+                do=f"nu{pair} is the contraction along {second} under stress along {first}{hint}",
+            )
+    S = compliance(E, G, nu)
+    left = float(np.linalg.det(S[:3, :3]) * np.prod(E))
+    if not left > 0.0:
+        raise InputError(
+            "nu",
+            got=f"1 - nuxy nuyx - nuyz nuzy - nuzx nuxz - 2 nuxy nuyz nuzx = {left:.4g} with "
+            f"nuxy, nuyz, nuzx = {', '.join(f'{value:g}' for value in nu)}",
+            expected="a sum above 0",
+            do="lower the ratios, the largest first",
+        )
+    C = np.linalg.inv(S)
+    return np.asarray((C + C.T) / 2.0)
+
+
+def turned(C: ArrayLike, axes: ArrayLike) -> Floats:
+    """Elasticity [6, 6] [Pa] along global axes of a material whose own x, y, z are the rows of axes [3, 3].
+
+    >>> quarter = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    >>> turned(np.diag([3.0, 2.0, 1.0, 1.0, 1.0, 1.0]), quarter).diagonal().round(9)
+    array([2., 3., 1., 1., 1., 1.])
+    """
+    R = np.asarray(axes, dtype=np.float64)
+    i, j = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]
+    # Strains along the own axes from those along the global ones; shear strains are twice the tensor's.
+    halves = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+    both = R[i][:, i] * R[j][:, j] + R[i][:, j] * R[j][:, i]
+    strains = both * halves / halves[:, None]
+    strains[:, :3] /= 2.0
+    result = strains.T @ np.asarray(C, dtype=np.float64) @ strains
+    return np.asarray((result + result.T) / 2.0)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# The reference cells of solid elements: their nodes, shape functions and quadrature, which are scikit-fem's.
+#
+# Nodes are in the order of VTK and meshio: corners, then the middles of edges, then for hex27 those of faces and of the
+# cell.
+# ----------------------------------------------------------------------------------------------------------------------
+
+SolidElement = Literal["tet4", "tet10", "hex8", "hex20", "hex27"]
+KINDS: Final = get_args(SolidElement)
+_TETRAHEDRON: Final = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+_HEXAHEDRON: Final = tuple((x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+_TET_EDGES: Final = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+_AROUND: Final = ((0, 1), (1, 2), (2, 3), (3, 0))
+_HEX_EDGES: Final = (*_AROUND, *((i + 4, j + 4) for i, j in _AROUND), *((i, i + 4) for i in range(4)))
+_HEX_FACES: Final = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (2, 3, 7, 6), (0, 1, 2, 3), (4, 5, 6, 7), range(8))
+_ORDER: Final = {"tet4": 2, "tet10": 4, "hex8": 3, "hex20": 5, "hex27": 5}
+"""Degree that the quadrature has exactly: that of the squared shape functions of a straight cell."""
+
+
+def node_count(kind: str) -> int:
+    """Nodes of a cell; InputError for an unknown kind.
+
+    >>> node_count("hex20")
+    20
+    """
+    return len(reference_nodes(kind))
+
+
+@cache
+def reference_nodes(kind: str) -> Floats:
+    """Nodes [k, 3] of the reference cell, from 0 to 1 along its axes; InputError for an unknown kind.
+
+    >>> reference_nodes("tet4").tolist()
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    if kind not in KINDS:
+        raise InputError("element", got=repr(kind), expected=" or ".join(KINDS))
+    corners = np.array(_TETRAHEDRON if kind.startswith("tet") else _HEXAHEDRON, dtype=np.float64)
+    groups = {"tet4": (), "tet10": _TET_EDGES, "hex8": (), "hex20": _HEX_EDGES, "hex27": (*_HEX_EDGES, *_HEX_FACES)}
+    nodes = np.array([*corners, *(corners[list(group)].mean(axis=0) for group in groups[kind])])
+    nodes.flags.writeable = False
+    return nodes
+
+
+def interpolate(kind: str, at: ArrayLike) -> Floats:
+    """Shape functions [m, k] at places [m, 3] of the reference cell (0 to 1 along its axes).
+
+    >>> interpolate("hex8", [[0.5, 0.5, 0.5]])
+    array([[0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125]])
+    """
+    return shapes(kind, np.atleast_2d(np.asarray(at, dtype=np.float64)))[0]
+
+
+@cache
+def _element(kind: str) -> tuple[Any, Integers]:
+    """The element of scikit-fem, and where its shape functions stand in the order of our nodes."""
+    import skfem
+
+    makes = {
+        "tet4": skfem.ElementTetP1,
+        "tet10": skfem.ElementTetP2,
+        "hex8": skfem.ElementHex1,
+        "hex20": skfem.ElementHexS2,
+        "hex27": skfem.ElementHex2,
+    }
+    at = reference_nodes(kind).T
+    element = makes[kind]()
+    values = np.stack([element.lbasis(at, i)[0] for i in range(at.shape[1])])
+    return element, np.argmax(values, axis=0)
+
+
+def shapes(kind: str, at: Floats) -> tuple[Floats, Floats]:
+    """Shape functions [m, k] and their derivatives along the reference axes [m, 3, k]."""
+    element, order = _element(kind)
+    found = [element.lbasis(at.T, int(i)) for i in order]
+    values = np.stack([np.broadcast_to(value, len(at)) for value, _ in found], axis=-1)
+    slopes = np.stack([np.broadcast_to(slope, (3, len(at))).T for _, slope in found], axis=-1)
+    return values, slopes
+
+
+@cache
+def quadrature(kind: str) -> tuple[Floats, Floats]:
+    """Places [q, 3] and weights [q] in the reference cell."""
+    from skfem.quadrature import get_quadrature
+
+    at, weights = get_quadrature(_element(kind)[0].refdom, _ORDER[kind])
+    return at.T, weights
+
+
+@cache
+def at_quadrature(kind: str) -> tuple[Floats, Floats, Floats]:
+    """Shape functions [q, k], their derivatives [q, 3, k] and weights [q]."""
+    at, weights = quadrature(kind)
+    return *shapes(kind, at), weights
+
 
 AT_ONCE: Final = 256
 """Cells that are integrated at once: strain rows of hex27 at all points take 105 kB a cell."""
@@ -42,7 +231,7 @@ def least_sizes(kind: str, nodes: ArrayLike) -> Floats:
     """Least volume per reference volume of each cell [n] [m^3] at the points of its quadrature: zero or below where it
     is folded or turned inside out.
 
-    >>> from femstruct.elements.solid_shapes import reference_nodes
+    >>> from femstruct.elements.solid import reference_nodes
     >>> least_sizes("hex8", reference_nodes("hex8")[None][:, [4, 5, 6, 7, 0, 1, 2, 3]]) > 0.0
     array([False])
     """
@@ -63,8 +252,8 @@ def stiffness(kind: str, nodes: ArrayLike, C: ArrayLike) -> Floats:
     -----
     Integrated exactly for cells with straight edges and parallel faces. tet4 is many times too stiff in bending.
 
-    >>> from femstruct.elements.elasticity import isotropic
-    >>> from femstruct.elements.solid_shapes import reference_nodes
+    >>> from femstruct.elements.solid import isotropic
+    >>> from femstruct.elements.solid import reference_nodes
     >>> unit = reference_nodes("hex8")[None]
     >>> K = stiffness("hex8", unit, isotropic(1.0, 0.3))
     >>> stretched = np.zeros((8, 3)); stretched[:, 0] = unit[0, :, 0]
@@ -87,7 +276,7 @@ def mass(kind: str, nodes: ArrayLike, rho: ArrayLike) -> Floats:
 
     Returns [n, 3 k, 3 k], exactly symmetric.
 
-    >>> from femstruct.elements.solid_shapes import reference_nodes
+    >>> from femstruct.elements.solid import reference_nodes
     >>> M = mass("tet10", 2.0 * reference_nodes("tet10")[None], 3.0)
     >>> round(float(M[0, ::3, ::3].sum()), 9)  # 3 times a sixth of 8
     4.0
@@ -116,8 +305,8 @@ def stresses(kind: str, nodes: ArrayLike, at: ArrayLike, C: ArrayLike) -> Floats
     With the incompatible modes of hex8. Stresses are one order less exact than displacements, and best at the points
     of the quadrature of the next lower order: in the middle of linear cells, at the 2 x 2 x 2 points of quadratic ones.
 
-    >>> from femstruct.elements.elasticity import isotropic
-    >>> from femstruct.elements.solid_shapes import reference_nodes
+    >>> from femstruct.elements.solid import isotropic
+    >>> from femstruct.elements.solid import reference_nodes
     >>> unit = reference_nodes("hex8")[None]
     >>> rows = stresses("hex8", unit, [[0.5, 0.5, 0.5]], isotropic(2.0, 0.0))
     >>> stretched = np.zeros((8, 3)); stretched[:, 0] = unit[0, :, 0]
@@ -139,7 +328,7 @@ def stresses(kind: str, nodes: ArrayLike, at: ArrayLike, C: ArrayLike) -> Floats
 def volumes(kind: str, nodes: ArrayLike) -> Floats:
     """Volumes [n] of cells [m^3].
 
-    >>> from femstruct.elements.solid_shapes import reference_nodes
+    >>> from femstruct.elements.solid import reference_nodes
     >>> volumes("hex27", reference_nodes("hex27")[None] * [1.0, 2.0, 3.0]).round(9)
     array([6.])
     """

@@ -1,14 +1,14 @@
 """Flat triangles of shells: membrane with drilling rotation, bending and transverse shear; the fillers beside quads.
 
-Membrane action is Felippa's optimal triangle (OPT, `femstruct.elements.facets.andes`), bending and shear Katili's DKMT
-(`femstruct.elements.facets.dkmt`), for thin and thick shells; both converge with h^2. Use quadrilaterals where it can
-be: thin twisted or doubly curved shells of triangles are far too stiff on coarse meshes (a strip twisted by 90 degrees,
-12 x 2, moves a twentieth of what it should), since flat triangles cannot bend there without stretching. Their moments
-converge with h alone, and their shear forces in thin plates stay a tenth off.
+Membrane action is Felippa's optimal triangle (OPT, `femstruct.elements.triangle_shell`), bending and shear Katili's
+DKMT (`femstruct.elements.triangle_shell`), for thin and thick shells; both converge with h^2. Use quadrilaterals
+where it can be: thin twisted or doubly curved shells of triangles are far too stiff on coarse meshes (a strip
+twisted by 90 degrees, 12 x 2, moves a twentieth of what it should), since flat triangles cannot bend there without
+stretching. Their moments converge with h alone, and their shear forces in thin plates stay a tenth off.
 
 The DOFs at each corner are UX UY UZ RX RY RZ in global axes. A place is corner 0 + xi (corner 1 - corner 0) + eta
-(corner 2 - corner 0). Own axes are those of `femstruct.elements.facets.axes.frames`, rigidities and resultants those of
-`femstruct.elements.quad_shell`.
+(corner 2 - corner 0). Own axes are those of `femstruct.elements.flat_elements.frames`, rigidities and resultants
+those of `femstruct.elements.quad_shell`.
 """
 
 from __future__ import annotations
@@ -20,13 +20,176 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from femstruct.arrays import Floats
-from femstruct.elements.facets import andes, dkmt, motion
-from femstruct.elements.facets.axes import congruent, flattened, frames, out_of_own_axes, own_motion
-from femstruct.elements.facets.congruent import each_once
-from femstruct.elements.facets.quadrilateral import cross
-from femstruct.elements.facets.rigidity import Rigidities, masses, section
+from femstruct.elements import flat_elements
+from femstruct.elements.flat_elements import (
+    Rigidities,
+    congruent,
+    cross,
+    each_once,
+    flattened,
+    frames,
+    masses,
+    out_of_own_axes,
+    own_motion,
+    section,
+    side_shears,
+)
 from femstruct.elements.membrane import strain_energy
 from femstruct.errors import InputError
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Membrane strains of triangles with drilling rotations: Felippa's optimal member of the ANDES family (OPT).
+#
+# The strain is a mean, that of a triangle whose sides move as parabolas, and a part linear in the cell without a mean,
+# assumed from the rotations of the corners beside that of the whole. Bending in its plane is exact for one aspect of
+# rectangles cut in two, in any direction; no tie of RZ to the displacements is needed, and there is no parameter.
+#
+# Reference: C. A. Felippa, Comput. Methods Appl. Mech. Eng. 192 (2003) 2125-2168, doi:10.1016/S0045-7825(03)00253-6.
+# ----------------------------------------------------------------------------------------------------------------------
+
+N_MEMBRANE: Final = 9
+SMALLEST: Final = 0.01
+"""Of the factor (1 - 4 nu^2) / 2 of the linear strains: Felippa's bound, with which the stiffness keeps its rank."""
+_SHARE: Final = 1.5  # of the rotations in the mean strain: alpha_b
+_BETA: Final = np.array([[1.0, 2.0, 1.0], [0.0, 1.0, -1.0], [-1.0, -1.0, -2.0]])
+_TURNED: Final = [2, 0, 1]
+
+
+def strain_rows(corners: Floats, areas: Floats, A: Floats, at: Floats) -> Floats:
+    """Rows of (u_x, v_y, u_y + v_x) at places from all u, all v, all RZ: [n, g, 3, 9].
+
+    corners [n, 3, 2] : counterclockwise; areas [n]; A [3, 3] or [n, 3, 3] : membrane stiffness, whose Poisson's ratio
+    sets the size of the linear part; at [n, g, 3] : shares of the corners.
+    """
+    shares = np.sqrt(2.25 * linear_factor(A))
+    linear = np.einsum("ngc,ncij->ngij", at, _natural(corners, areas)) * np.reshape(shares, (-1, 1, 1, 1))
+    into_xy = _from_natural(corners) * (2.0 * areas / 3.0)[:, None, None]
+    parts = into_xy[:, None] @ linear @ _beside_the_whole(corners, areas)[:, None]
+    rows: Floats = _mean(corners, areas)[:, None] + parts
+    return rows
+
+
+def linear_factor(A: Floats) -> Floats:
+    """(1 - 4 nu^2) / 2 but at least 0.01; nu of a laminate is that of its mean over all directions.
+
+    >>> round(float(linear_factor(np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]]))), 12)
+    0.32
+    """
+    straight = 3.0 * (A[..., 0, 0] + A[..., 1, 1]) + 2.0 * A[..., 0, 1] + 4.0 * A[..., 2, 2]
+    across = A[..., 0, 0] + A[..., 1, 1] + 6.0 * A[..., 0, 1] - 4.0 * A[..., 2, 2]
+    factor: Floats = np.maximum((1.0 - 4.0 * (across / straight) ** 2) / 2.0, SMALLEST)
+    return factor
+
+
+def _around(corners: Floats) -> tuple[Floats, Floats, Floats]:
+    """Vectors [n, 3, 2] of each corner i with the next j and the one before k: k - j, i - k, j - i."""
+    following, before = np.roll(corners, -1, axis=1), np.roll(corners, 1, axis=1)
+    return before - following, corners - before, following - corners
+
+
+def _mean(corners: Floats, areas: Floats) -> Floats:
+    """Rows [n, 3, 9] of the mean strain: forces of a constant stress on the sides, shared with the rotations."""
+    opposite, towards, away = _around(corners)
+    (x_kj, y_kj), (x_ik, y_ik), (x_ji, y_ji) = (np.moveaxis(of, -1, 0) for of in (opposite, towards, away))
+    rows = np.zeros((len(corners), 3, 3, 3))
+    rows[:, 0, 0] = rows[:, 2, 1] = -y_kj
+    rows[:, 1, 1] = rows[:, 2, 0] = x_kj
+    rows[:, 0, 2] = -y_kj * (y_ik - y_ji) * _SHARE / 6.0
+    rows[:, 1, 2] = -x_kj * (x_ik - x_ji) * _SHARE / 6.0
+    rows[:, 2, 2] = (x_ji * y_ji - x_ik * y_ik) * _SHARE / 3.0
+    return rows.reshape(-1, 3, N_MEMBRANE) / (2.0 * areas)[:, None, None]
+
+
+def _beside_the_whole(corners: Floats, areas: Floats) -> Floats:
+    """Rows [n, 3, 9] of RZ at the corners less the rotation of the triangle as a whole."""
+    opposite, _, _ = _around(corners)
+    rows = np.zeros((len(corners), 3, 3, 3))
+    rows[:, :, 0] = opposite[:, None, :, 0] / (4.0 * areas)[:, None, None]
+    rows[:, :, 1] = opposite[:, None, :, 1] / (4.0 * areas)[:, None, None]
+    rows[:, :, 2] = np.eye(3)
+    return rows.reshape(-1, 3, N_MEMBRANE)
+
+
+def _natural(corners: Floats, areas: Floats) -> Floats:
+    """Strains along the sides at each corner from the rotations of `_beside_the_whole`, over 2 A / 3: [n, 3, 3, 3]."""
+    squares = (_around(corners)[2] ** 2).sum(axis=-1)
+    at_corners = [_BETA]
+    for _ in range(2):  # the same seen from the next corner
+        at_corners.append(at_corners[-1][_TURNED][:, _TURNED])
+    strains: Floats = np.array(at_corners)[None] / squares[:, None, :, None]
+    return strains
+
+
+def _from_natural(corners: Floats) -> Floats:
+    """Strains (xx, yy, 2 xy) from those along the three sides: [n, 3, 3]."""
+    sides = _around(corners)[2]
+    x, y = np.moveaxis(sides / np.linalg.norm(sides, axis=-1, keepdims=True), -1, 0)
+    into_xy: Floats = np.linalg.inv(np.stack([x * x, y * y, x * y], axis=-1))
+    return into_xy
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Bending and transverse shear of triangles: the discrete Kirchhoff-Mindlin triangle (DKMT) of Katili.
+#
+# The lean of the fibres (beta_x = RY, beta_y = -RX) is linear but for a parabola along each side, whose size follows
+# from the moment and shear balance of the side as a beam; the shear strain that belongs to it is constant along the
+# side and carried linearly into the cell. Thin plates are those of Kirchhoff along the sides, thick ones those of
+# Mindlin.
+#
+# Reference: I. Katili, Int. J. Numer. Methods Eng. 36 (1993) 1859-1883, doi:10.1002/nme.1620361106.
+# ----------------------------------------------------------------------------------------------------------------------
+
+N_BENDING: Final = 9
+
+
+def bending_rows(corners: Floats, areas: Floats, D: Floats, As: Floats, at: Floats) -> tuple[Floats, Floats]:
+    """Rows of the curvatures [n, g, 3, 9] and of the shear strains [n, g, 2, 9] at places, from all w, beta_x, beta_y.
+
+    corners [n, 3, 2] : counterclockwise; areas [n]; D [3, 3] or [n, 3, 3], As [2, 2] or [n, 2, 2] : bending and shear
+    rigidities, whose ratio says how much of a side's motion is shear; at [n, g, 3] : shares of the corners.
+    """
+    sides = np.roll(corners, -1, axis=1) - corners
+    length = np.linalg.norm(sides, axis=2)
+    c, s = np.moveaxis(sides / length[..., None], -1, 0)
+    share = _shear_share(c, s, length, D, As)
+    lean = side_shears(corners) * (-1.5 / (length * (1.0 + share)))[..., None]
+    by_x, by_y = _gradients(corners, areas)
+    curvatures = np.zeros((*at.shape[:2], 3, N_BENDING))
+    curvatures[:, :, 0, 3:6] = curvatures[:, :, 2, 6:] = by_x[:, None]
+    curvatures[:, :, 1, 6:] = curvatures[:, :, 2, 3:6] = by_y[:, None]
+    following = np.roll(at, -1, axis=2)
+    bent_x, bent_y = (4.0 * (at * np.roll(of, -1, axis=1)[:, None] + following * of[:, None]) for of in (by_x, by_y))
+    c, s = c[:, None], s[:, None]
+    curvatures += np.stack([bent_x * c, bent_y * s, bent_y * c + bent_x * s], axis=2) @ lean[:, None]
+    return curvatures, _carried(c, s, at) @ (lean * (-share / 1.5)[..., None])[:, None]
+
+
+def _shear_share(c: Floats, s: Floats, length: Floats, D: Floats, As: Floats) -> Floats:
+    """12 D / (As L^2) of each side [n, 3], with the rigidities along it."""
+    bent = np.stack([c * c, s * s, 2.0 * c * s], axis=2)
+    sheared = np.stack([c, s], axis=2)
+    ratio: Floats = ((bent @ D) * bent).sum(axis=2) / ((sheared @ As) * sheared).sum(axis=2)
+    return 12.0 * ratio / length**2
+
+
+def _gradients(corners: Floats, areas: Floats) -> tuple[Floats, Floats]:
+    """Derivatives by x and y of the shares of the corners: [n, 3] each."""
+    opposite = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
+    twice = 2.0 * areas[:, None]
+    return -opposite[..., 1] / twice, opposite[..., 0] / twice
+
+
+def _carried(c: Floats, s: Floats, at: Floats) -> Floats:
+    """Shear strain at places from that along sides, at a corner that of its two sides, then linear: [n, g, 2, 3]."""
+    c_before, s_before = np.roll(c, 1, axis=2), np.roll(s, 1, axis=2)
+    share = at / (c_before * s - s_before * c)
+    own, before = (
+        np.stack([-s_before, c_before], axis=2) * share[:, :, None],
+        np.stack([s, -c], axis=2) * share[:, :, None],
+    )
+    result: Floats = own + np.roll(before, -1, axis=3)
+    return result
+
 
 N_DOFS: Final = 18
 MIDDLES: Final = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
@@ -92,7 +255,7 @@ def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     """
     R, xy = _placed(corners)
     in_plane = np.zeros((len(xy), 3))
-    own = motion.rows(_values(_shares(xi, eta)), in_plane, motion.side_displacements(xy))
+    own = flat_elements.rows(_values(_shares(xi, eta)), in_plane, flat_elements.side_displacements(xy))
     return out_of_own_axes(own @ own_motion(R, in_plane), R)
 
 
@@ -104,14 +267,14 @@ def resultants(
     Arguments as `interpolate` and `stiffness`, the rigidities [..] or [m, ..].
 
     Returns [m, 8, 18], in the axes of each element: N and Q [N/m], M [N]. `turned_resultants` of
-    `femstruct.elements.facets.axes` gives them in other directions.
+    `femstruct.elements.flat_elements` gives them in other directions.
     """
     R, xy = _placed(corners)
     stretch, coupling, bend, shear = section(len(xy), A, B, D, As)
     areas, at = _areas(xy), _shares(xi, eta)[:, None]
     own = np.zeros((len(xy), 8, N_DOFS))
-    strains = andes.strain_rows(xy, areas, stretch, at)[:, 0]
-    curvatures, shears = (rows[:, 0] for rows in dkmt.bending_rows(xy, areas, bend, shear, at))
+    strains = strain_rows(xy, areas, stretch, at)[:, 0]
+    curvatures, shears = (rows[:, 0] for rows in bending_rows(xy, areas, bend, shear, at))
     own[:, :3, _MEMBRANE], own[:, :3, _PLATE] = stretch @ strains, coupling @ curvatures
     own[:, 3:6, _MEMBRANE], own[:, 3:6, _PLATE] = coupling.swapaxes(1, 2) @ strains, bend @ curvatures
     own[:, 6:, _PLATE] = shear @ shears
@@ -125,8 +288,8 @@ def _stiffness(R: Floats, xy: Floats, *rigidities: Floats) -> Floats:
     areas, at = _areas(xy), np.broadcast_to(MIDDLES, (len(xy), 3, 3))
     each = np.repeat(areas[:, None] / 3.0, 3, axis=1)
     own = np.zeros((len(xy), N_DOFS, N_DOFS))
-    strains = andes.strain_rows(xy, areas, stretch, at)
-    curvatures, shears = dkmt.bending_rows(xy, areas, bend, shear, at)
+    strains = strain_rows(xy, areas, stretch, at)
+    curvatures, shears = bending_rows(xy, areas, bend, shear, at)
     own[:, _MEMBRANE, _MEMBRANE] = strain_energy(strains, A, strains, each)
     own[:, _PLATE, _PLATE] = strain_energy(curvatures, D, curvatures, each) + strain_energy(shears, As, shears, each)
     if B.any():
@@ -136,7 +299,9 @@ def _stiffness(R: Floats, xy: Floats, *rigidities: Floats) -> Floats:
 
 
 def _mass(R: Floats, xy: Floats, m0: Floats, m1: Floats, m2: Floats) -> Floats:
-    own = motion.inertia(_areas(xy)[:, None, None] * _value_integrals(), motion.side_displacements(xy), m0, m1, m2)
+    own = flat_elements.inertia(
+        _areas(xy)[:, None, None] * _value_integrals(), flat_elements.side_displacements(xy), m0, m1, m2
+    )
     return congruent(own, own_motion(R, np.zeros((len(xy), 3))))
 
 

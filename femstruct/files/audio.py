@@ -14,7 +14,7 @@ from scipy.io import wavfile
 
 from femstruct.arrays import Floats
 from femstruct.errors import InputError
-from femstruct.files.atomic import replacing
+from femstruct.files.writing import replacing
 
 PAUSE: Final = 0.5  # s of silence between two sounds of a sequence
 HEADROOM_DB: Final = 1.0  # that a sound for listening stays below full scale: players that resample overshoot a little

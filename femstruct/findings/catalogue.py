@@ -8,18 +8,11 @@ from types import MappingProxyType
 from typing import Final, Protocol, TypeVar
 
 from femstruct.errors import InputError
-from femstruct.findings.cavity_entries import CAVITIES
 from femstruct.findings.entry import FORBIDS, LIMITS, Entry, Rank
-from femstruct.findings.fit_entries import FITS
-from femstruct.findings.impact_entries import IMPACT
-from femstruct.findings.level_entries import LEVELS
-from femstruct.findings.mesh_entries import MESHES
-from femstruct.findings.mode_entries import MODES
-from femstruct.findings.open_air_entries import OPEN_AIR
-from femstruct.findings.room_entries import ROOMS
-from femstruct.findings.source_entries import SOURCES
-from femstruct.findings.structure_entries import STRUCTURE
-from femstruct.findings.study_entries import STUDY
+from femstruct.findings.on_impacts import IMPACT, SOURCES, STUDY
+from femstruct.findings.on_modes import FITS, MODES
+from femstruct.findings.on_sound import LEVELS, OPEN_AIR, ROOMS
+from femstruct.findings.on_structures import CAVITIES, MESHES, STRUCTURE
 
 SUBJECTS: Final[Mapping[str, tuple[Entry, ...]]] = MappingProxyType(
     {

@@ -2,35 +2,117 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, wait
+from threading import Thread
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
+from femstruct.compiled.kernels import Unit
+from femstruct.compiled.store import kept
 from femstruct.declared import expect
 from femstruct.errors import Finding, NotConverged
-from femstruct.impact.collocation.collocate import MAX_STEPS, Ended, collocate, paced, state_at_start
-from femstruct.impact.collocation.collocation_march import levels_for
-from femstruct.impact.engine.aside import run_aside
-from femstruct.impact.engine.booking import DONE, NO_FORCES, STALLS, STICKS, TOO_MANY_EVENTS, TOO_MANY_STEPS
-from femstruct.impact.engine.closings import CLOSES
-from femstruct.impact.engine.energy import TIME, ledger
-from femstruct.impact.engine.gauss_points import collocation_rule
-from femstruct.impact.engine.instant_forces import State
-from femstruct.impact.engine.modal_tables import tabulated
-from femstruct.impact.engine.motion import DISPLACEMENT, VELOCITY, Motion, coordinates, sampled_motion, seen
-from femstruct.impact.engine.sampling import DRIFT, WORKED, Felt, Record, feel, motion_of, room_for
-from femstruct.impact.engine.system import Compiled, compile_scene
-from femstruct.impact.exact.choice import takes_exact_march
-from femstruct.impact.exact.exact_constants import exact_room, exact_rule
-from femstruct.impact.exact.exact_march import exact_march
-from femstruct.impact.result.blow_by_blow import blow_findings, blow_table
-from femstruct.impact.result.contact_findings import Measured, decay_findings, run_findings, sampling_findings
-from femstruct.impact.result.outcome import Endings, gain_of, outcomes_of
-from femstruct.impact.result.parted_energies import part_history
-from femstruct.impact.result.response import BodyHistory, ContactHistory, EnergyLedger, Event, Outcome, Response
-from femstruct.impact.scene.bodies import Clock, Scene
+from femstruct.impact.batch_march import run_many
+from femstruct.impact.blow_by_blow import (
+    Measured,
+    blow_findings,
+    blow_table,
+    decay_findings,
+    run_findings,
+    sampling_findings,
+)
+from femstruct.impact.collocation import MAX_STEPS, Ended, collocate, levels_for, march, paced, state_at_start
+from femstruct.impact.exact import exact_march, exact_room, exact_rule, takes_exact_march
+from femstruct.impact.ledger import (
+    CLOSES,
+    DONE,
+    DRIFT,
+    NO_FORCES,
+    STALLS,
+    STICKS,
+    TIME,
+    TOO_MANY_EVENTS,
+    TOO_MANY_STEPS,
+    WORKED,
+    Felt,
+    Record,
+    feel,
+    ledger,
+    motion_of,
+    part_history,
+    room_for,
+)
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, coordinates, sampled_motion, seen
+from femstruct.impact.propagation import State, collocation_rule, tabulated
+from femstruct.impact.response import (
+    BodyHistory,
+    ContactHistory,
+    Endings,
+    EnergyLedger,
+    Event,
+    Outcome,
+    Response,
+    gain_of,
+    outcomes_of,
+)
+from femstruct.impact.scene import Clock, Scene
+from femstruct.impact.system import Compiled, compile_scene
 from femstruct.modal.basis import ModalBasis
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Runs the compiled solver in a worker thread, so that Ctrl-C still works.
+# ----------------------------------------------------------------------------------------------------------------------
+
+CHECK_INTERVAL = 0.2  # seconds between two checks for Ctrl-C, which a plain wait would not notice
+
+R = TypeVar("R")
+
+
+def run_aside(call: Callable[[], R], stop: Integers) -> R:
+    """What a call returns or raises, from a thread of its own.
+
+    stop [1] : the call looks at it and ends when it is not zero; it is set when the wait is interrupted (Ctrl-C), which
+    is then raised at once.
+
+    >>> import numpy as np
+    >>> run_aside(lambda: 6 * 7, np.zeros(1, dtype=np.int64))
+    42
+    """
+    job: Future[R] = Future()
+
+    def work() -> None:
+        try:
+            job.set_result(call())
+        except BaseException as failure:
+            job.set_exception(failure)
+
+    Thread(target=work, daemon=True).start()
+    try:
+        while not wait([job], timeout=CHECK_INTERVAL).done:
+            pass
+    except BaseException:
+        stop[0] = 1
+        raise
+    return job.result()
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Which compiled kernels a simulation needs.
+# ----------------------------------------------------------------------------------------------------------------------
+
+Units = Sequence[Unit[..., Any]]
+
+BY_COLLOCATION: Final[Units] = (march, feel)
+EXACTLY: Final[Units] = (exact_march, feel)
+ALL: Final[Units] = (march, feel, exact_march, run_many)
+
+
+def have(units: Units) -> bool:
+    """Whether all of these units are in the store."""
+    return all(kept(unit) is not None for unit in units)
+
 
 LEDGER_ROWS = 512  # at least
 
@@ -38,7 +120,7 @@ LEDGER_ROWS = 512  # at least
 def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     """Motion, forces and energies of an impact, sampled at n / sampling for n = 0 .. duration * sampling - 1.
 
-    When all laws are linear, and no mode is so fast that it makes the steps too many (`femstruct.impact.exact.choice`
+    When all laws are linear, and no mode is so fast that it makes the steps too many (`femstruct.impact.exact`
     says how many), the motion between events is a power series and events are roots of polynomials: exact to rounding,
     whatever `clock.tolerance`. Otherwise modes move exactly under forces that are polynomials over a step; the forces
     of closed contacts and of links are found by Gauss collocation with 8 points, in steps whose error is held by
@@ -49,20 +131,20 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     without end: never a result cut short; it names the contact that is nearest to a change.
     FemstructError for a scene that contradicts itself.
 
-    Notes: a contact is never missed: see `femstruct.impact.collocation.events` and `femstruct.impact.exact.roots`. A
+    Notes: a contact is never missed: see `femstruct.impact.collocation` and `femstruct.impact.exact`. A
     contact that touches without speed closes when the leading derivative of its indentation is positive. Damping of
     the modes is `basis.time_damping`. Modes that it couples move as the oscillators of their complex modes, exactly
     (`femstruct.modal.coupled_damping`): these are made once for a basis, and a run then takes up to three times as long
     as with modes that nothing couples. Where hundreds creep back, as over wool, sums of few exponentials stand for
     them, good to 1e-11. Closings and openings within rounding are not reported
-    (`femstruct.impact.engine.closings`). The march runs beside the thread that waits
+    (`femstruct.impact.ledger`). The march runs beside the thread that waits
     for it, so that Ctrl-C ends it at once.
 
     A ball of 1 kg strikes a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
 
-    >>> from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-    >>> from femstruct.impact.laws.linear import Linear
-    >>> from femstruct.modal.analytic import given_modes
+    >>> from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
+    >>> from femstruct.laws.linear import Linear
+    >>> from femstruct.modal.closed_form import given_modes
     >>> wall = Contact("wall", upper="ball", lower=GROUND, law=Linear(np.pi**2))
     >>> response = simulate(given_modes([], [], {})[0], Scene((Body("ball", 1.0, -1.0),), (wall,)), Clock(2.0, 100.0))
     >>> [(event.what, round(event.t, 9)) for event in response.events]

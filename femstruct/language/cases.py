@@ -11,8 +11,8 @@ from pydantic import BaseModel
 
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.errors import InputErrors
-from femstruct.files.inputs.opening import beside
-from femstruct.language.model.model import ModelSpec
+from femstruct.files.text_tables import beside
+from femstruct.language.model_file import ModelSpec
 from femstruct.language.models import (
     ModelFile,
     built_model,
@@ -22,13 +22,11 @@ from femstruct.language.models import (
     refuse_kind,
     title_of,
 )
-from femstruct.language.names import check_names
-from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.study.planned import check_study, study_of
-from femstruct.language.study.spread import drops, spread
-from femstruct.language.study.study import StudySpec
-from femstruct.language.yaml import Here, Mistakes, Tree, nearest, read_yaml, validate
+from femstruct.language.patch import MODEL_KEYS, Patch, check_names, study_keys
+from femstruct.language.studies import StudySpec, check_study, drops, spread, study_of
 from femstruct.study.study import Case, Plan, Study
+from femstruct.yaml.reader import Here, Mistakes, Tree, nearest, read_yaml
+from femstruct.yaml.validation import validate
 
 AS_GIVEN = "as given"
 

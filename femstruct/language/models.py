@@ -7,16 +7,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language.model.model import ModelSpec
-from femstruct.language.names import check_names
-from femstruct.language.patch import MODEL_KEYS, Patch, study_keys
-from femstruct.language.yaml import Here, Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml, validate
+from femstruct.language.model_file import ModelSpec
+from femstruct.language.patch import MODEL_KEYS, Patch, check_names, study_keys
 from femstruct.modal.damping import Damping
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.structure import Structure
 from femstruct.study.structures import StructureModel
 from femstruct.study.study import Plan
+from femstruct.yaml.reader import Here, Mistakes, Position, Tree, dotted, near_name, parse_value, read_yaml
+from femstruct.yaml.validation import validate
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError, Finding
-from femstruct.model.materials.loss_by_frequency import Loss
+from femstruct.model.materials import Loss
 from femstruct.model.probe import Probe
 from femstruct.tags import stored_as
 
@@ -117,7 +117,7 @@ class ModalBasis:
 
     Raises FemstructError: arrays that do not fit each other, a negative frequency.
 
-    >>> from femstruct.modal.analytic import given_modes
+    >>> from femstruct.modal.closed_form import given_modes
     >>> basis, points = given_modes([20.0, 50.0], [0.02, 0.03], {"P": [0.5, -0.4]})
     >>> basis.kind, basis.frequency_hz.round(6), basis.damping_ratio.round(6)
     (('elastic', 'elastic'), array([20., 50.]), array([0.02, 0.03]))

@@ -24,11 +24,10 @@ from femstruct.assembly.matrices import Assembly
 from femstruct.conventions import N_COMPONENTS
 from femstruct.declared import expect
 from femstruct.errors import FemstructError, NotConverged
-from femstruct.modal.by_frequency.varying import Varying, varying
+from femstruct.modal.by_frequency import Varying, varying
 from femstruct.modal.damping import Damping, FromMaterials
 from femstruct.modal.frf import lossy_matrices
-from femstruct.sparse.patterns import aligned
-from femstruct.sparse.solvers import FASTEST, SOLVERS
+from femstruct.sparse import FASTEST, SOLVERS, aligned
 
 Complex = NDArray[np.complex128]
 OFF_THE_AXIS: Final = 0.0137

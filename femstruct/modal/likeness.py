@@ -80,7 +80,7 @@ def pairing(a: ModalBasis, b: ModalBasis, near: float = NEAR_EQUAL) -> Pairing:
     of the others by half, and wholly in the space of both:
 
     >>> from dataclasses import replace
-    >>> from femstruct.modal.analytic import given_modes
+    >>> from femstruct.modal.closed_form import given_modes
     >>> one, _ = given_modes([50.0, 50.0], [0.0, 0.0], {"P": [1.0, 0.0], "Q": [0.0, 1.0]}, at={"P": 0.0, "Q": 1.0})
     >>> turn = np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2.0)
     >>> found = pairing(one, replace(one, shapes=one.shapes @ turn))
@@ -178,7 +178,7 @@ def _shared_shapes(a: ModalBasis, b: ModalBasis) -> tuple[Floats, Floats]:
 def share_nodes(a: ModalBasis, b: ModalBasis) -> bool:
     """Whether two bases have a node in common, so that their shapes can be compared.
 
-    >>> from femstruct.modal.analytic import given_modes
+    >>> from femstruct.modal.closed_form import given_modes
     >>> one, _ = given_modes([50.0], [0.0], {"P": [1.0]}, at={"P": 0.0})
     >>> other, _ = given_modes([50.0], [0.0], {"P": [1.0]}, at={"P": 2.0})
     >>> share_nodes(one, one), share_nodes(one, other)

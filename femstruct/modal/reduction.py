@@ -12,17 +12,17 @@ from femstruct.assembly.matrices import Assembly
 from femstruct.declared import expect
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import Kind, ModalBasis
-from femstruct.modal.by_frequency.edge_walls import (
+from femstruct.modal.by_frequency import (
     complex_walls,
     edge_vectors,
     losses_alike,
+    own_modes,
     referred,
     wall_findings,
+    wall_shares,
 )
-from femstruct.modal.by_frequency.own_modes import own_modes, wall_shares
-from femstruct.modal.outputs import AXES, convergence, force_rows, nodal_shapes, projected
-from femstruct.modal.residuals import residual_vectors
-from femstruct.modal.solve import Modes, modes
+from femstruct.modal.eigen import Modes, modes
+from femstruct.modal.residuals import AXES, convergence, force_rows, nodal_shapes, projected, residual_vectors
 from femstruct.model.probe import Probe
 
 _GAIN = 1e-6  # of the largest damping of a motion: matrices in single precision leave 1e-7
@@ -59,8 +59,8 @@ def modal_basis(
     pseudo-modes after them have frequencies above, which mean nothing by themselves. `complete_below_hz` ignores them;
     it is infinite for a basis of every mode there is.
 
-    >>> from femstruct.assembly.assemble import assemble
-    >>> from femstruct.model.material import Material
+    >>> from femstruct.assembly.matrices import assemble
+    >>> from femstruct.model.materials import Material
     >>> from femstruct.model.mesher import mesh_structure
     >>> from femstruct.model.structure import Structure, Support
     >>> from femstruct.parts.plate import Plate

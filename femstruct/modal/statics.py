@@ -13,13 +13,11 @@ from femstruct.arrays import Floats, freeze, frozen
 from femstruct.assembly.matrices import Assembly
 from femstruct.conventions import GRAVITY, N_COMPONENTS
 from femstruct.errors import InputError
-from femstruct.modal.by_frequency.edge_walls import without_walls
-from femstruct.modal.solve import modes
-from femstruct.model.facts import part_masses, refuse_unweighed
-from femstruct.model.model import Model
+from femstruct.modal.by_frequency import without_walls
+from femstruct.modal.eigen import modes
+from femstruct.model.model import Model, part_masses, refuse_unweighed
 from femstruct.model.probe import Probe
-from femstruct.sparse.patterns import aligned
-from femstruct.sparse.solvers import FASTEST, SOLVERS
+from femstruct.sparse import FASTEST, SOLVERS, aligned
 
 UP: Final = 2  # the global axis that weight acts against
 
@@ -68,7 +66,7 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     The tip of a cantilever under its own weight, q L^4 / 8 E I:
 
     >>> from femstruct import Frame, Material, PlaceOn, Structure, Support, assemble, mesh_structure
-    >>> from femstruct.model.section import rectangle
+    >>> from femstruct.model.sections import rectangle
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
     >>> bar = Frame("bar", steel, rectangle("s", 0.01, 0.02), (((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),), mesh=0.05)
     >>> points = tuple(PlaceOn(name, "bar", at=((x, 0.0, 0.0),)) for name, x in (("foot", 0.0), ("tip", 1.0)))

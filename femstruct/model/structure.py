@@ -1,27 +1,168 @@
 """What a structure is, before it is meshed: parts, joints, places, supports, in SI units and resolved names.
 
-The language wing makes a `Structure` of a YAML file; a script can write one by hand. The mesher makes a `Model` of it.
-The kinds of parts stand in `femstruct.parts`.
+The language wing makes a `Structure` of a YAML file; a script can write one by hand. The mesher makes a `Model` of
+it. The kinds of parts stand in `femstruct.parts`.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from femstruct.conventions import DIRECTIONS
-from femstruct.declared import checked
+from femstruct.declared import NotNegative, Positive, checked
 from femstruct.errors import InputError
-from femstruct.model.equations.constraint import Constraint
-from femstruct.model.materials.air_between import AirBetween
-from femstruct.model.materials.edge_wall import EdgeWall
-from femstruct.model.materials.loss_by_frequency import Loss, check_loss
-from femstruct.model.part import Body, Part
-from femstruct.model.region import Facing, Pair, Region, Side
+from femstruct.model.materials import EdgeWall, Loss, check_loss
+from femstruct.model.part import Body, Part, Tie
+from femstruct.model.regions import Facing, Pair, Region, Side
 from femstruct.tags import stored_as
+
+if TYPE_CHECKING:
+    from femstruct.model.layout import Layout
+    from femstruct.model.model import Model
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What a kind of constraint offers: which places it is about, and the equations between them.
+# ----------------------------------------------------------------------------------------------------------------------
+
+_IN_PLANE = 1e-6  # of a unit vector: less is rounding
+
+
+class Constraint(ABC):
+    """Homogeneous linear equations between places of parts, by name; the base of all kinds."""
+
+    name: str
+
+    @abstractmethod
+    def holds(self) -> Mapping[str, tuple[str, ...]]:
+        """The points it is about, and in which directions."""
+
+    def region(self) -> tuple[str, Region] | None:
+        """The part whose region it is about, and the region; None where it is about points alone."""
+        return None
+
+    @abstractmethod
+    def tie(self, model: Model, tolerance: float) -> Tie:
+        """Its equations. The force is the one on what follows, or on the ground where the equations do not balance."""
+
+    def needs(self, layout: Layout, points: Mapping[str, PlaceOn]) -> None:
+        """Ask for the grid lines of its region, and for plates that stretch where it pulls them in their planes."""
+        region = self.region()
+        if region is not None:
+            part, where = region
+            if part not in layout.segments:
+                layout.on_region(f"constraints.{self.name}.region", part, where)
+            layout.pulled |= {part} & layout.rectangles.keys()
+        for name, directions in self.holds().items():
+            place = points.get(name) or points.get(name.rpartition(".")[0])
+            if place is not None and place.on in layout.rectangles:
+                normal = layout.axes_of[place.on][2]
+                if any(_is_in_plane(direction, normal) for direction in directions):
+                    layout.pulled.add(place.on)
+
+
+def _is_in_plane(direction: str, normal: np.ndarray) -> bool:
+    """Whether a plate has to stretch or shear for a direction of a point on it; its rotations in the plane bend it."""
+    if direction == "n":
+        return False
+    axis = np.eye(3)[DIRECTIONS.index(direction) % 3]
+    along = float(abs(axis @ normal))
+    return along > _IN_PLANE if direction.startswith("r") else float(np.sqrt(max(0.0, 1.0 - along**2))) > _IN_PLANE
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Cavities as a model has them: air between two surfaces of the structure, by name.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+@stored_as("fill of a cavity/1")
+@dataclass(frozen=True)
+@checked("cavities")
+class Fill:
+    """Wool in a cavity, against its second surface.
+
+    flow_resistivity [Pa s/m^2]; density : of the bulk [kg/m^3]; thickness : [m], all of the depth if left out. frame :
+    "limp", fibres that the air carries along, or "held", fibres at rest. like : the entry of the library, with its
+    source.
+
+    Raises InputError: numbers that are not positive, another frame.
+
+    >>> Fill(flow_resistivity=10e3, density=40.0, thickness=0.1).frame
+    'limp'
+    """
+
+    flow_resistivity: Positive
+    density: Positive
+    thickness: Positive | None = None
+    frame: Literal["limp", "held"] = "limp"
+    like: str = ""
+
+
+@stored_as("bays of a cavity/1")
+@dataclass(frozen=True)
+@checked("cavities")
+class Bays:
+    """Joists that close a cavity: every bay between two of them is a cavity of its own.
+
+    across : the axis of the first surface that they divide. at : where their middles are along it, from the corner of
+    the cavity [m]. width : of a joist, which takes its place from the air [m].
+
+    >>> Bays("y", at=(0.6, 1.2), width=0.045).at
+    (0.6, 1.2)
+    """
+
+    across: Literal["x", "y"]
+    at: tuple[float, ...]
+    width: NotNegative = 0.0
+
+
+@stored_as("cavity between parts/1")
+@dataclass(frozen=True)
+@checked("cavities")
+class AirBetween:
+    """Air between two parallel surfaces that face each other; its four sides are rigid.
+
+    first, second : names of surfaces; wool lies against the second. depth [m]. c [m/s], rho [kg/m^3] : of the air.
+    fill : wool; None for none. bays : where joists close it; None for one cavity. up_to : modes of the air up to it
+    are coordinates of their own [Hz]; None for as many as the modes of the structure need, 400 at most.
+
+    Raises InputError: numbers that are not positive, a surface beside itself, wool thicker than the cavity.
+
+    The void between a floor and its ceiling, half filled:
+
+    >>> AirBetween("void", "underside", "ceiling top", depth=0.2, fill=Fill(10e3, 40.0, thickness=0.1)).c
+    343.0
+    """
+
+    name: str
+    first: str
+    second: str
+    depth: Positive
+    c: Positive = 343.0
+    rho: Positive = 1.21
+    fill: Fill | None = None
+    bays: Bays | None = None
+    up_to: Positive | None = None
+
+    def __post_init__(self) -> None:
+        where = f"cavities.{self.name}"
+        if self.first == self.second:
+            expected = "two surfaces that face each other"
+            raise InputError(f"{where}.between", got=f"'{self.first}' twice", expected=expected)
+        thickness = None if self.fill is None else self.fill.thickness
+        if thickness is not None and thickness > self.depth * (1 + 1e-9):
+            raise InputError(
+                f"{where}.fill.thickness",
+                got=f"{thickness:g} m of wool in a cavity {self.depth:g} m deep",
+                expected="at most the depth",
+                do="leave it out to fill the cavity",
+            )
+
 
 Fix = Literal["simple", "simple soft", "simple hard", "clamped", "roller"]
 SOFT: Final = "simple soft"
@@ -150,7 +291,7 @@ class Support:
     edge or line, `roller` holds the deflection and the slope along the edge, `clamped` everything. `simple` holds what
     `roller` does and the plate in its own plane, but does not keep it from stretching: all simple supports of a plate
     that stretches hold only the mean shifts and rotation of their edges there and, where it stands, its weight
-    (`femstruct.model.grid.in_plane`).
+    (`femstruct.model.plates_and_bars`).
     At a point, a set and in a box `simple` holds x y z and `clamped` all six. Elements that shear tell two kinds of
     simple supports apart along an edge of a slab or shell: `simple soft`, which `simple` is there, leaves all rotations
     free; `simple hard` holds the tangential one, about the normal to the edge in the plane of the part, along free
@@ -234,7 +375,7 @@ class Structure:
     supports : what is held. constraints : equations between places, of the kinds in `femstruct.model.equations`.
     cavities : air between two of the surfaces. Names are unique over all of it; the mesher checks that they exist.
 
-    >>> from femstruct.model.material import Material
+    >>> from femstruct.model.materials import Material
     >>> from femstruct.parts.plate import Plate
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
     >>> plate = Plate("plate", steel, 0.003, origin=(0.0, 0.0, 0.0), size=(0.5, 0.4), mesh=0.05)

@@ -13,25 +13,29 @@ from femstruct.arrays import Floats, Integers, freeze, frozen_integers
 from femstruct.conventions import DIRECTIONS
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError, some_of
-from femstruct.model.fastened import Inert, Tie
-from femstruct.model.given import Given
-from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.imported.attached import (
+from femstruct.model.attached import (
     TAKEN,
     Attached,
+    Nodes,
     Users,
     attached,
+    average_rows,
+    held_rows,
+    idle_rows,
+    inert_rows,
+    link_rows,
     refuse_missing,
     same_file,
     supports_of,
 )
-from femstruct.model.imported.attached_rows import Nodes, average_rows, held_rows, idle_rows, inert_rows, link_rows
-from femstruct.model.imported.imported_mesh import ImportedMesh, StatedHold
-from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs
+from femstruct.model.imported_mesh import ImportedMesh, StatedHold
+from femstruct.model.layout import Grids, Layout
+from femstruct.model.materials import Given
 from femstruct.model.model import Model
+from femstruct.model.part import Drawn, Inert, Meshed, OwnDofs, Tie, nodal_dofs
 from femstruct.model.probe import Point
 from femstruct.model.structure import PlaceOn
-from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
+from femstruct.parts.cells import GivenNodes, drawn_nodes, node_point
 from femstruct.tags import stored_as
 
 HEAVIEST: Final = 2e4  # kg per cube of the size of a structure: metal all through, the densest of which has 22600
@@ -55,8 +59,8 @@ class Attachments(GivenNodes):
 
     A plate of four nodes whose file holds two of them and puts 2 t on a third:
 
-    >>> from femstruct.model.imported.imported_mesh import StatedHold
-    >>> from femstruct.model.imported.imported_mesh import Stated, StatedMass
+    >>> from femstruct.model.imported_mesh import StatedHold
+    >>> from femstruct.model.imported_mesh import Stated, StatedMass
     >>> press = StatedMass(2, 2.0, (0.0, 0.0, 0.0), (0.0,) * 6)
     >>> stated = Stated(masses=(press,), holds=(StatedHold("a", [0, 3], (2,)),))
     >>> corners, cells = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], {"quad4": [range(4)]}

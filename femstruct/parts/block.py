@@ -12,14 +12,12 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
-from femstruct.model.given import Given, given
-from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.imported.stated.left_out import Makes
-from femstruct.model.meshed import Drawn, Meshed, OwnDofs, nodal_dofs, refuse_patch
-from femstruct.model.part import Body, Part
+from femstruct.model.imported_mesh import Makes
+from femstruct.model.layout import Grids, Layout
+from femstruct.model.materials import Given, given
+from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, nodal_dofs, refuse_patch
 from femstruct.model.probe import Point
-from femstruct.model.region import Vector
-from femstruct.model.rows import carried, flat_rows, sparse_rows
+from femstruct.model.regions import Vector, carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.plausibility import density_findings
 from femstruct.tags import stored_as

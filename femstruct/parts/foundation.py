@@ -13,18 +13,12 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.model.fastened import Elastic
-from femstruct.model.given import Given, given
-from femstruct.model.grid.geometry import to_rectangle
-from femstruct.model.grid.layers import Layer, layer_of
-from femstruct.model.grid.layout import Layout
-from femstruct.model.grid.regions import grid_points
-from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.meshed import Meshed
+from femstruct.model.elastic_layers import Layer, layer_of
+from femstruct.model.layout import Layout
+from femstruct.model.materials import Given, Loss, given
 from femstruct.model.model import Model
-from femstruct.model.part import Part
-from femstruct.model.region import Region, Touched
-from femstruct.model.rows import sparse_rows
+from femstruct.model.part import Elastic, Meshed, Part
+from femstruct.model.regions import Region, Touched, grid_points, sparse_rows, to_rectangle
 from femstruct.model.structure import bodies_of
 from femstruct.parts.plate import Plate
 from femstruct.tags import stored_as

@@ -12,23 +12,17 @@ from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats
 from femstruct.declared import checked
-from femstruct.elements.quadrature import gauss_interval
+from femstruct.elements.polynomials import gauss_interval
 from femstruct.errors import InputError
-from femstruct.model.fastened import Elastic, Inert
-from femstruct.model.given import Given, given
-from femstruct.model.grid.geometry import PARALLEL, clip
-from femstruct.model.grid.layers import Layer, layer_of
-from femstruct.model.grid.layout import Layout
-from femstruct.model.grid.regions import line_points
-from femstruct.model.materials.loss_by_frequency import Loss
-from femstruct.model.meshed import Meshed
+from femstruct.model.elastic_layers import Layer, layer_of
+from femstruct.model.layout import Layout
+from femstruct.model.materials import Given, Loss, given
 from femstruct.model.model import Model
-from femstruct.model.part import Body, Part
-from femstruct.model.region import Pair, Region
-from femstruct.model.rows import sparse_rows
+from femstruct.model.part import Body, Elastic, Inert, Meshed, Part
+from femstruct.model.regions import PARALLEL, Pair, Region, clip, line_points, sparse_rows
 from femstruct.model.structure import bodies_of
 from femstruct.parts.foundation import Foundation, lines_across
-from femstruct.parts.of_frames.frame_mesh import FrameMesh
+from femstruct.parts.frame import FrameMesh
 from femstruct.tags import stored_as
 
 ORDER = 4  # Gauss points of a piece of a line: exact for products of two cubic deflections

@@ -11,13 +11,11 @@ from scipy.sparse import csr_array, vstack
 from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.model.anchors import places_of, point_rows
-from femstruct.model.fastened import Inert
-from femstruct.model.given import Given, given
-from femstruct.model.imported.stated.left_out import Makes
-from femstruct.model.model import Model
-from femstruct.model.part import Part
-from femstruct.model.region import Vector
+from femstruct.model.imported_mesh import Makes
+from femstruct.model.materials import Given, given
+from femstruct.model.model import Model, places_of, point_rows
+from femstruct.model.part import Inert, Part
+from femstruct.model.regions import Vector
 from femstruct.tags import stored_as
 
 MOMENT_ROUNDING = 1e-6  # of the largest moment: moments are written with a few digits

@@ -11,15 +11,12 @@ from scipy.sparse import csr_array, vstack
 
 from femstruct.declared import checked
 from femstruct.errors import InputError, some_of
-from femstruct.model.anchors import places_of, point_rows
-from femstruct.model.fastened import Inert
-from femstruct.model.given import Given, given
-from femstruct.model.grid.layout import Layout
-from femstruct.model.imported.stated.left_out import Makes
-from femstruct.model.model import Model
-from femstruct.model.part import Part
-from femstruct.model.region import Region
-from femstruct.model.rows import sparse_rows
+from femstruct.model.imported_mesh import Makes
+from femstruct.model.layout import Layout
+from femstruct.model.materials import Given, given
+from femstruct.model.model import Model, places_of, point_rows
+from femstruct.model.part import Inert, Part
+from femstruct.model.regions import Region, sparse_rows
 from femstruct.tags import stored_as
 
 Per = Literal["total", "length", "area"]

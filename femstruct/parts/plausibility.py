@@ -12,14 +12,11 @@ import numpy as np
 
 from femstruct.conventions import GRAVITY
 from femstruct.errors import Finding, InputError
-from femstruct.model.material import DENSEST, Material
-from femstruct.model.materials.lay_up import Laminate, LayUp
-from femstruct.model.materials.loss_by_frequency import Loss, LossByFrequency
-from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
-from femstruct.model.materials.plate_section import PlateSection
+from femstruct.model.lay_ups import Laminate, LayUp, PlateSection
+from femstruct.model.materials import DENSEST, AnyMaterial, Loss, LossByFrequency, Material, Orthotropic
 from femstruct.model.part import Part
-from femstruct.model.region import Vector
-from femstruct.model.section import Section
+from femstruct.model.regions import Vector
+from femstruct.model.sections import Section
 
 # sqrt(E / rho) [m/s]. M. F. Ashby, Materials Selection in Mechanical Design, chart of modulus and density: foams and
 # rubbers from 30 m/s on, gelatine (10 kPa) 3; beryllium 12.5 km/s, diamond 18 km/s.

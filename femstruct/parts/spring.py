@@ -11,12 +11,10 @@ from scipy.sparse import csr_array, vstack
 from femstruct.conventions import DIRECTIONS
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.model.anchors import places_of, point_rows
-from femstruct.model.fastened import Elastic
-from femstruct.model.given import Given
-from femstruct.model.imported.stated.left_out import Makes
-from femstruct.model.model import Model
-from femstruct.model.part import Part
+from femstruct.model.imported_mesh import Makes
+from femstruct.model.materials import Given
+from femstruct.model.model import Model, places_of, point_rows
+from femstruct.model.part import Elastic, Part
 from femstruct.tags import stored_as
 
 Six = tuple[float, float, float, float, float, float]  # x y z rx ry rz, global axes

@@ -11,21 +11,17 @@ from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError, some_of
-from femstruct.model.given import Given, given
-from femstruct.model.grid.layout import Grids, Layout
-from femstruct.model.imported.component import Component, rigid_masses, rigid_resistance
-from femstruct.model.imported.facing import frame_across
-from femstruct.model.imported.flat_cells import FlatCells, flat_cells
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.imported.nearest import cross_turning
-from femstruct.model.imported.shell_cells import rows_at
-from femstruct.model.meshed import Drawn, LossShare, Meshed, OwnDofs
+from femstruct.model.component import Component, rigid_masses, rigid_resistance
+from femstruct.model.flat_cells import FlatCells, flat_cells
+from femstruct.model.imported_mesh import ImportedMesh, frame_across
+from femstruct.model.layout import Grids, Layout
+from femstruct.model.materials import Given, given
+from femstruct.model.part import Drawn, LossShare, Meshed, OwnDofs
 from femstruct.model.probe import Point, Surface
-from femstruct.model.region import Region, Vector
-from femstruct.model.rows import sparse_rows
+from femstruct.model.regions import Region, Vector, sparse_rows
+from femstruct.model.shell_cells import cross_turning, rows_at
 from femstruct.model.structure import PlaceOn, SurfaceOn
-from femstruct.parts.of_meshes.cell_surfaces import side_surface
-from femstruct.parts.of_meshes.given_nodes import GivenNodes, drawn_nodes, node_point
+from femstruct.parts.cells import GivenNodes, drawn_nodes, node_point, side_surface
 from femstruct.tags import stored_as
 
 _SIX = 6

@@ -1,20 +1,137 @@
-"""What acts on a structure: bodies, contacts, links, loads, walkers, and how all start."""
+"""What acts on a structure: bodies, contacts, links, loads, walkers, measured sources, and how all start."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
+from acoustics.reported import Axis
+from acoustics.reported import Reported as OfSound
 from femstruct.declared import Count, NotNegative, Positive, checked
-from femstruct.model.region import Vector
+from femstruct.errors import InputError
+from femstruct.modal.installed_sources import ForceSource, SourceMobility
+from femstruct.modal.steady import BandSpectrum, Spectrum
+from femstruct.model.regions import Vector
+from femstruct.reported import Held
 from femstruct.study.asked import Spot
 from femstruct.tags import stored_as
 
-if TYPE_CHECKING:  # a model's modes need none of these
-    from femstruct.impact.laws.law import Law
-    from femstruct.impact.scene.bodies import HalfSine, Table
-    from femstruct.impact.scene.walking import Walk
+if TYPE_CHECKING:
+    from femstruct.impact.scene import HalfSine, Table, Walk
+    from femstruct.laws.law import Law
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Structure-borne sources that were measured by themselves, where a study puts them, and what came of it.
+# ----------------------------------------------------------------------------------------------------------------------
+
+_BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")
+_DB: Final = "dB re 20 µPa"
+_PW: Final = "dB re 1 pW"
+
+
+@stored_as("measured source/1")
+@dataclass(frozen=True)
+@checked("sources")
+class MeasuredSource:
+    """A machine whose blocked force or free velocity was measured, and its mobility (EN 15657): by itself, without
+    phase between contacts, so that it has levels by band and no history.
+
+    at : its contacts, a point's direction each; a point of several places is a contact at each. spectra : rms values in
+    bands, or power spectral densities, of each contact, or one for all: forces [N] or velocities [m/s]. mobility : at
+    each contact.
+
+    Raises InputError for no contact or no spectrum, for contacts in different bands, and for a free velocity without a
+    mobility.
+
+    Notes
+    -----
+    Contacts act as if they were not correlated: powers and mean squares of pressures add up (EN 15657, EN 12354-5).
+
+    A pump on two feet of 2 kg:
+
+    >>> from femstruct.modal.installed_sources import RigidMass
+    >>> force = BandSpectrum(((50.0, 4.0), (63.0, 3.0), (80.0, 3.5)))
+    >>> feet = (Spot("foot.1", "z"), Spot("foot.2", "z"))
+    >>> MeasuredSource("pump", feet, "blocked force", (force,), RigidMass(2.0)).fraction
+    3
+    """
+
+    name: str
+    at: tuple[Spot, ...]
+    what: Literal["blocked force", "free velocity"]
+    spectra: tuple[BandSpectrum | Spectrum, ...]
+    mobility: SourceMobility
+
+    def __post_init__(self) -> None:
+        if not self.at or not self.spectra:
+            raise InputError(f"sources.{self.name}", got="no contact or no spectrum", expected="one or more of both")
+        kinds = {(type(one), self._bands(one)) for one in self.spectra}
+        if len(kinds) > 1:
+            got = "spectra of contacts in different bands"
+            raise InputError(f"sources.{self.name}", got=got, expected="the same bands at all contacts")
+        if self.what == "free velocity" and isinstance(self.mobility, ForceSource):
+            got, do = "a free velocity of a source of infinite mobility", "give its mobility, or its blocked force"
+            raise InputError(f"sources.{self.name}.free_velocity", got=got, expected="a source with a mobility", do=do)
+
+    @staticmethod
+    def _bands(one: BandSpectrum | Spectrum) -> object:
+        return (
+            (one.fraction, [band for band, _ in one.values]).__repr__() if isinstance(one, BandSpectrum) else one.band
+        )
+
+    @property
+    def fraction(self) -> Literal[1, 3]:
+        """Of an octave are the bands of its results: 3 for thirds."""
+        first = self.spectra[0]
+        return first.fraction if isinstance(first, BandSpectrum) else 3
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """From where to where it is known [Hz]."""
+        return self.spectra[0].band
+
+
+@stored_as("source levels/1")
+@dataclass(frozen=True, eq=False)
+class SourceLevels:
+    """Sound of a measured source at one receiver. bands_db : levels of the mean square {nominal centre [Hz]: [dB]}, nan
+    where modes end below the band. l_aeq_db : A-weighted, of the bands that are not blank."""
+
+    bands_db: Annotated[Mapping[float, float], OfSound(_DB, "Level of the mean square in the band", axis=_BAND)]
+    l_aeq_db: Annotated[float, OfSound(_DB, "A-weighted level of the bands that are given", symbol="L_Aeq")]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bands_db", MappingProxyType(dict(self.bands_db)))
+
+
+@stored_as("installed source/1")
+@dataclass(frozen=True, eq=False)
+class InstalledSource:
+    """What a measured source does where it stands. power_db : structure-borne sound power into the structure, by band,
+    nan where its modes end below; least_db, most_db : between which it lies, as far as the phase of the source's
+    mobility is not known. levels : by "ROOM.RECEIVER".
+    """
+
+    excited_by: Annotated[str, OfSound("1", "Where it acts")]
+    what: Annotated[str, OfSound("1", "What was measured of it")]
+    power_db: Annotated[Mapping[float, float], OfSound(_PW, "Structure-borne sound power", axis=_BAND)]
+    least_db: Annotated[Mapping[float, float], OfSound(_PW, "Least power for any phase of the source", axis=_BAND)]
+    most_db: Annotated[Mapping[float, float], OfSound(_PW, "Largest power for any phase of the source", axis=_BAND)]
+    levels: Annotated[
+        Mapping[str, SourceLevels], Held("Levels at the receivers, ROOM.RECEIVER", "Levels at one receiver")
+    ] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("power_db", "least_db", "most_db", "levels"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What acts on a structure: bodies, contacts, links, loads, walkers, and how all start.
+# ----------------------------------------------------------------------------------------------------------------------
 
 BodySide = Literal["above", "below", "before", "after"]
 
@@ -67,7 +184,7 @@ class PlacedBody:
     speed is sqrt(2 g h) of a drop height h; `dropped` says that it falls (its weight acts when there is gravity).
     law : of its own contact, None where a named contact or nothing joins them.
     blows : when it is given this start again; None for a body that strikes once. See
-    `femstruct.impact.scene.bodies.Blows`.
+    `femstruct.impact.scene.Blows`.
     source : the standard source it is, None for any other body. radius : of a rigid sphere with own sound [m], None for
     a body without. covering : below a tapping machine; its levels are lower by that.
 
@@ -116,7 +233,7 @@ class PlannedContact:
 @dataclass(frozen=True)
 @checked("links")
 class PlannedLink:
-    """A spring and dashpot between two named ends; see `femstruct.impact.scene.bodies.Link`.
+    """A spring and dashpot between two named ends; see `femstruct.impact.scene.Link`.
 
     A damper on a soft spring, with a dashpot that brakes only while both part:
 
@@ -165,7 +282,7 @@ class PlannedWalk:
     A person of 80 kg who stays at one place, eight steps at two a second:
 
     >>> from femstruct import Walk
-    >>> from femstruct.impact.scene.walking import design_harmonics
+    >>> from femstruct.impact.scene import design_harmonics
     >>> PlannedWalk("neighbour", ("middle",), Walk(80.0, pace=2.0, steps=8, harmonics=design_harmonics(2.0))).walk.steps
     8
     """

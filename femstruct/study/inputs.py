@@ -9,16 +9,12 @@ from math import pi, sqrt
 from typing import Any, Final, NamedTuple
 
 from femstruct.conventions import GRAVITY
-from femstruct.model.given import Given, given, of_material, of_section, plain
-from femstruct.model.materials.air_between import AirBetween
-from femstruct.model.materials.lay_up import LayUp, materials_of
-from femstruct.model.materials.orthotropic import AnyMaterial
-from femstruct.model.section import Section
-from femstruct.model.structure import HARD, SOFT, Joint, Structure, Support
+from femstruct.model.lay_ups import LayUp, materials_of
+from femstruct.model.materials import AnyMaterial, Given, given, of_material, of_section, plain
+from femstruct.model.sections import Section
+from femstruct.model.structure import HARD, SOFT, AirBetween, Joint, Structure, Support
 from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink, PlannedLoad
-from femstruct.study.asked import RoomPlan
-from femstruct.study.counting import FatigueRequest
-from femstruct.study.steady_vibration import Vibration
+from femstruct.study.asked import FatigueRequest, RoomPlan, Vibration
 from femstruct.study.study import Study
 
 UNITS: Final = {  # of the fields of a study's nouns
@@ -73,7 +69,7 @@ def inputs(study: Study) -> Inputs:
 
     >>> from femstruct.modal.damping import Damping, Ratio
     >>> from femstruct.study.structures import OscillatorModel
-    >>> from femstruct.study.study import Extent
+    >>> from femstruct.study.asked import Extent
     >>> oscillator = OscillatorModel(mass=2.0, frequency_hz=None, stiffness=800.0, points={"m": 1.0})
     >>> asked = inputs(Study("hit", oscillator, Damping(Ratio(0.02)), Extent(count=1)))
     >>> asked.groups["structure"][0].given[0]

@@ -12,25 +12,32 @@ from typing import TYPE_CHECKING
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.modal.damping import Damping
-from femstruct.study.acting import InitialMotion, PlacedBody, PlannedContact, PlannedLink, PlannedLoad, PlannedWalk
+from femstruct.study.acting import (
+    InitialMotion,
+    MeasuredSource,
+    PlacedBody,
+    PlannedContact,
+    PlannedLink,
+    PlannedLoad,
+    PlannedWalk,
+)
 from femstruct.study.asked import (
     AccuracyRule,
     Extent,
+    FatigueRequest,
     FrfRequest,
     Limit,
     PeakRule,
     Record,
     RoomPlan,
     TimePlan,
+    Vibration,
 )
-from femstruct.study.counting import FatigueRequest
-from femstruct.study.measured_source import MeasuredSource
-from femstruct.study.steady_vibration import Vibration
 from femstruct.study.structures import StructureModel
 from femstruct.tags import stored_as
 
 if TYPE_CHECKING:  # a model's modes need nothing of impacts
-    from femstruct.impact.evaluations.evaluation import Evaluation
+    from femstruct.evaluations.evaluation import Evaluation
 
 
 @stored_as("study/1")

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import Final
 
-from femstruct.model.given import Given
-from femstruct.model.library.library_entry import Entry, Fact
-from femstruct.view.page.words import amount
-from femstruct.view.tables.console import console
-from femstruct.view.tables.grid import Grid
+from femstruct.model.library import Entry, Fact
+from femstruct.model.materials import Given
+from femstruct.view.console import Grid, console
+from femstruct.view.page import amount
 
 WHOLE: Final = 6  # entries of which every source is shown
 
@@ -33,7 +32,7 @@ def show_library(entries: Sequence[Entry], asked: bool) -> None:
 def family_table(family: str, entries: Sequence[Entry]) -> Grid:
     """The entries of a family with what is known of each.
 
-    >>> from femstruct.model.library.all_entries import matching
+    >>> from femstruct.model.library_entries import matching
     >>> family_table("screeds", matching(["screed"])).rows[0]
     ('screed sand-cement', '20.28 GPa', '0.2', '2000 kg/m³', '1 %')
     """

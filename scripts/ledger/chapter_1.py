@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from femstruct import frf, read_study, run_study
-from femstruct.modal.analytic import oscillator
+from femstruct.language.cases import read_study
+from femstruct.modal.closed_form import oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping
+from femstruct.modal.frf import frf
+from femstruct.workflow.run import run_study
 from ledger.row import Row
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -8,9 +8,11 @@ import numpy as np
 from scipy.special import gamma
 from systems import rigid, rod, wall
 
-from femstruct import Body, Clock, Contact, Linear, Scene, simulate
-from femstruct.impact.scene.collisions import collide
-from femstruct.modal.analytic import rod as rod_basis
+from femstruct.impact.collisions import collide
+from femstruct.impact.scene import Body, Clock, Contact, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import rod as rod_basis
 from ledger.row import Row
 
 BALL = 0.5  # m_b / m of all of section 2.2

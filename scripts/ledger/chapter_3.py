@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 from systems import wall
 
-from femstruct import StudyResult, read_study, run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 from ledger.row import Row
 
 STUDY = Path(__file__).parents[2] / "models" / "floor_tennis_ball.study.yaml"

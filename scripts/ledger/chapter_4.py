@@ -6,7 +6,9 @@ import numpy as np
 from systems import press
 from systems.press import UNIT
 
-from femstruct import StudyResult, read_study, run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 from ledger.row import Row
 
 SHAPE = "phi_10(O_b) = 0.392, which is not printed, is the value that gives 2.2 %"

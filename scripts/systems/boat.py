@@ -10,10 +10,12 @@ from functools import cache
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from femstruct import Body, Clock, Contact, Linear, Load, Response, Scene, simulate
-from femstruct.impact.scene.bodies import HalfSine
-from femstruct.modal.analytic import beam, given_modes, oscillator
+from femstruct.impact.response import Response
+from femstruct.impact.scene import Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import beam, given_modes, oscillator
 from femstruct.model.probe import Point
 
 SAMPLES = 400  # a pulse; peaks are refined by parabolas, whose error is then of the order of 1e-8

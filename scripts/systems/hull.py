@@ -8,20 +8,14 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq
 
-from femstruct import (
-    Body,
-    Clock,
-    Contact,
-    Linear,
-    ModalBasis,
-    Model,
-    Scene,
-    assemble,
-    modal_basis,
-    read_model,
-    simulate,
-)
-from femstruct.impact.scene.bodies import HalfSine, Load
+from femstruct.assembly.matrices import assemble
+from femstruct.impact.scene import Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.language.models import read_model
+from femstruct.laws.linear import Linear
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.reduction import modal_basis
+from femstruct.model.model import Model
 from systems import boat
 
 MODEL = Path(__file__).parents[2] / "models" / "foam_hull.yaml"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import j1
 
-from acoustics.levels.iso import CURVE_THIRDS
+from acoustics.levels.standards import CURVE_THIRDS
 from femstruct.arrays import Floats
 
 Complexes = NDArray[np.complex128]

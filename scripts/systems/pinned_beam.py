@@ -8,8 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigh
 
-from femstruct import GROUND, Body, Clock, Contact, Linear, Link, ModalBasis, Response, Scene, simulate, simulate_batch
-from femstruct.modal.analytic import beam, given_modes
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.laws.linear import Linear
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import beam, given_modes
 from femstruct.model.probe import Point
 
 LENGTH, EI, MASS = 0.4, 5.9, 0.12  # [m], [N m^2], [kg], Table 5.1

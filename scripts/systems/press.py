@@ -9,24 +9,16 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.optimize import minimize_scalar
 
-from femstruct import (
-    GROUND,
-    Body,
-    Clock,
-    Contact,
-    Linear,
-    Link,
-    ModalBasis,
-    Response,
-    Scene,
-    assemble,
-    modal_basis,
-    read_model,
-    simulate,
-    simulate_batch,
-)
-from femstruct.impact.scene.bodies import Ground
-from femstruct.modal.analytic import given_modes
+from femstruct.assembly.matrices import assemble
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Ground, Link, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.language.models import read_model
+from femstruct.laws.linear import Linear
+from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes
+from femstruct.modal.reduction import modal_basis
 from femstruct.model.probe import Probe
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -11,9 +11,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from femstruct import Body, Clock, Contact, Linear, Response, Scene, simulate, simulate_batch
 from femstruct.arrays import Floats
-from femstruct.modal.analytic import oscillator
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.response import Response
+from femstruct.impact.scene import Body, Clock, Contact, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import oscillator
 
 WINDOW = 40.0  # long enough for the last contact of a soft damper, omega_d = 0.1
 

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from femstruct import Body, Clock, Contact, Linear, Response, Scene, simulate
-from femstruct.modal.analytic import rod
+from femstruct.impact.response import Response
+from femstruct.impact.scene import Body, Clock, Contact, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import rod
 
 SPEED_OF_SOUND = 5042.0  # [m/s], pi c / L = 7.92e3 rad/s for 2 m (Table 2.3)
 DENSITY = 7850.0

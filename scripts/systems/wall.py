@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from femstruct import GROUND, Body, Clock, Contact, Hertz, HuntCrossley, Linear, Scene, simulate
-from femstruct.impact.scene.force_pulse import pulse_of
-from femstruct.modal.analytic import given_modes
-from femstruct.workflow.identify.fit import fit
-from femstruct.workflow.identify.intervals import Fit
+from femstruct.impact.collisions import pulse_of
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
+from femstruct.workflow.fit import Fit, fit
 
 NOISE = 0.01  # of the peak
 GRAVITY = 9.81  # [m/s^2]

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import eigsh
 
-from femstruct.assembly.assemble import assemble
-from femstruct.model.material import Material
+from femstruct.assembly.matrices import assemble
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.region import Region
-from femstruct.model.section import rectangle
+from femstruct.model.regions import Region
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, Structure
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame

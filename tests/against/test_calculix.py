@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.elements import solid_shapes
+from femstruct.elements import solid
 
 CCX = shutil.which("ccx")
 needs_ccx = pytest.mark.skipif(CCX is None, reason="ccx is not installed: Debian's package calculix-ccx")
@@ -26,7 +26,7 @@ def brick_mesh() -> tuple[np.ndarray, np.ndarray]:
     """An L of bricks of 20 nodes: 0.4 m x 0.06 m x 0.04 m, with an upright of 0.12 m at its end."""
     cells = [(i, j, k) for i in range(20) for j in range(3) for k in range(2)]
     cells += [(i, j, k) for i in (18, 19) for j in range(3) for k in range(2, 8)]
-    places = np.array(cells)[:, None] + solid_shapes.reference_nodes("hex20")
+    places = np.array(cells)[:, None] + solid.reference_nodes("hex20")
     whole, numbers = np.unique(np.rint(2 * places.reshape(-1, 3)).astype(int), axis=0, return_inverse=True)
     return whole / 2.0 * 0.02, numbers.reshape(-1, 20)
 

@@ -11,18 +11,18 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import femstruct.impact.simulate as engine
-import femstruct.modal.coupled_damping.oscillators as making
+import femstruct.modal.oscillators as making
 from femstruct.errors import NotConverged
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.shares import held, mode_energies
-from femstruct.impact.scene.bodies import Blows, Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.scene import Blows, Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.impact.shares import held, mode_energies
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import Holder, ModalBasis
-from femstruct.modal.coupled_damping.oscillators import oscillators
+from femstruct.modal.closed_form import given_modes
 from femstruct.modal.frf import frf
+from femstruct.modal.oscillators import oscillators
 from femstruct.model.probe import Probe
 
 WOOL = 8300.0  # 1/s: 10 kPa s/m2 over the density of air

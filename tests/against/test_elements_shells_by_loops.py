@@ -8,7 +8,7 @@ triangle has the printed tables of Felippa (2003) and the side equations of Kati
 import numpy as np
 
 from femstruct.elements import quad_shell, triangle_shell
-from femstruct.elements.facets import andes
+from femstruct.elements import triangle_shell as andes
 
 A = np.array([[3.0, 0.7, 0.2], [0.7, 5.0, -0.4], [0.2, -0.4, 1.3]])
 B = np.array([[0.3, 0.1, 0.05], [0.0, -0.2, 0.1], [0.1, 0.02, 0.2]])

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.files.results_file.results import write_results
-from femstruct.workflow.exchange.exported import exported
+from femstruct.files.results_file import write_results
+from femstruct.workflow.exchange import exported
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))

@@ -18,13 +18,13 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import cont2discrete, lfilter
 
-from acoustics.levels.ending import ended
+from acoustics.levels.bands import ended
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from femstruct.files.results_file.results import write_results
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.workflow.run.run import run_study
+from femstruct.files.results_file import write_results
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 ROUNDING = 1e-11  # rounding: 1e-14 here at most
 

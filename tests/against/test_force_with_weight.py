@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import read_study, run_study
 from femstruct.errors import FemstructError
-from femstruct.study.result import StudyResult
-from femstruct.view.tables.terminal import study_tables
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.run import run_study
 from tests.independent.contact_events import Chain, Touch, linear, run
 
 G = 9.80665

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from femstruct import read_study, run_study
-from femstruct.study.result import StudyResult
-from femstruct.view.tables.terminal import study_tables
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.run import run_study
 from tests.independent.vibration import running_rms, w_k, weighted
 
 MODEL = """

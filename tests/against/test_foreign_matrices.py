@@ -18,9 +18,9 @@ from scipy.io import mmwrite
 
 import femstruct as fs
 from femstruct.errors import FemstructError, InputError, InputErrors
-from femstruct.files.inputs.dof_table import read_dof_table
-from femstruct.files.inputs.op4 import read_op4
-from femstruct.workflow.exchange.exported import exported
+from femstruct.files.matrices_input import read_dof_table
+from femstruct.files.op4 import read_op4
+from femstruct.workflow.exchange import exported
 
 OP4 = Path(__file__).parents[1] / "data" / "op4"
 FILES = sorted(path.name for path in OP4.glob("*.op4"))

@@ -9,19 +9,18 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-import femstruct.modal.coupled_damping.energies_of_states as states
-import femstruct.modal.coupled_damping.oscillator_set as finishing
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.shares import held_over_time, mode_energies
-from femstruct.impact.scene.bodies import Blows, Body, Clock, Contact, HalfSine, Load, Scene
+import femstruct.modal.coupled_damping as states
+import femstruct.modal.oscillators as finishing
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.scene import Blows, Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.impact.shares import held_over_time, mode_energies
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import Holder, ModalBasis
-from femstruct.modal.coupled_damping.energies_of_states import energies_of_states
-from femstruct.modal.coupled_damping.kept import oscillators_of
-from femstruct.modal.coupled_damping.oscillators import oscillators
+from femstruct.modal.closed_form import given_modes
+from femstruct.modal.coupled_damping import energies_of_states
+from femstruct.modal.oscillators import oscillators, oscillators_of
 from femstruct.model.probe import Probe
 
 MODES = 14
@@ -134,7 +133,7 @@ def test_energies_of_states_are_those_of_the_modes(told: bool, monkeypatch: pyte
     """Of many states at once, most oscillators being at rest, against squares of all modes; and what free motion loses,
     told state by state and as a bound."""
     if told:
-        monkeypatch.setattr(finishing, "KNOWN", 0.0)
+        monkeypatch.setattr(finishing, "LOSSES_ALIKE", 0.0)
     basis, place = with_frames(6, 3)
     z, v = some_states(basis, place)
     found = oscillators(basis.omega, basis.time_damping, False)
@@ -156,7 +155,7 @@ def test_a_bound_of_the_losses_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
     basis, place = with_frames(6, 3)
     z, v = some_states(basis, place)
     bounded = oscillators(basis.omega, basis.time_damping, False)
-    monkeypatch.setattr(finishing, "KNOWN", 0.0)
+    monkeypatch.setattr(finishing, "LOSSES_ALIKE", 0.0)
     exact = oscillators(basis.omega, basis.time_damping, False)
     _, most = energies_of_states(bounded, z, v, 1.0)
     _, surplus = energies_of_states(exact, z, v, 1.0)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from femstruct.errors import NotConverged
-from femstruct.modal.analytic import given_modes
-from femstruct.modal.coupled_damping import along_frequency
-from femstruct.modal.coupled_damping.along_frequency import CoupledModes
+from femstruct.modal import coupled_damping as along_frequency
+from femstruct.modal.closed_form import given_modes
+from femstruct.modal.coupled_damping import CoupledModes
 from femstruct.modal.frf import frf
 
 MISSED = 1.1e-12  # of the force: lines are accepted at 1e-12, and a dense solution misses 1e-14

@@ -9,12 +9,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes, oscillator
 
 ROUNDING = 1e-10  # steps and rounding: 9e-13 here at most
 

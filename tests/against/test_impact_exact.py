@@ -11,22 +11,20 @@ import numpy as np
 import pytest
 
 from femstruct.errors import NotConverged
-from femstruct.impact import estimate
+from femstruct.impact import numerical_error as estimate
 from femstruct.impact import simulate as engine
-from femstruct.impact.engine.booking import DONE, STICKS
-from femstruct.impact.engine.instant_forces import State
-from femstruct.impact.engine.sampling import ended, room_for
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.estimate import error_of
-from femstruct.impact.exact.exact_constants import exact_room, exact_rule
-from femstruct.impact.exact.exact_march import exact_march
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.result.response import EnergyBalance, Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, End, HalfSine, Link, Load, Scene, Table
+from femstruct.impact.exact import exact_march, exact_room, exact_rule
+from femstruct.impact.ledger import DONE, STICKS, ended, room_for
+from femstruct.impact.numerical_error import error_of
+from femstruct.impact.propagation import State
+from femstruct.impact.response import EnergyBalance, Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, End, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.system import compile_scene
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes
 
 ROUNDING = 1e-13  # steps and rounding: 9e-16 here at most
 

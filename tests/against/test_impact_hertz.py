@@ -10,23 +10,21 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from femstruct.impact.collocation.collocate import collocate, state_at_start
-from femstruct.impact.collocation.collocation_march import levels_for
-from femstruct.impact.engine.gauss_points import collocation_rule
-from femstruct.impact.engine.modal_tables import tabulated
-from femstruct.impact.engine.sampling import room_for
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.estimate import STRICTEST, error_of
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.collocation import collocate, levels_for, state_at_start
+from femstruct.impact.ledger import room_for
+from femstruct.impact.numerical_error import STRICTEST, error_of
+from femstruct.impact.propagation import collocation_rule, tabulated
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_study
-from femstruct.modal.analytic import beam, given_modes
+from femstruct.impact.system import compile_scene
+from femstruct.language.cases import read_study
+from femstruct.laws.hertz import Hertz
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import beam, given_modes
 from femstruct.model.probe import Probe
-from femstruct.workflow.stages.modal_bases import damped, solve_all
-from femstruct.workflow.stages.staging import scene
+from femstruct.workflow.bases import damped, solve_all
+from femstruct.workflow.staging import scene
 
 ROUNDING = 1e-10  # steps and rounding: 2e-13 here at most
 

@@ -11,16 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import minimize_scalar
 
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.cubic import Cubic
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.lankarani_nikravesh import LankaraniNikravesh
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.tabulated import Tabulated
+from femstruct.modal.closed_form import given_modes
 
 NONE = given_modes([], [], {})[0]
 Force = Callable[[float, float], float]  # of indentation and its rate, without a clamp

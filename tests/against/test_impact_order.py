@@ -9,17 +9,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from femstruct.impact.collocation.attempt import march_room
-from femstruct.impact.collocation.collocate import state_at_start
-from femstruct.impact.collocation.collocation_march import levels_for, march
-from femstruct.impact.engine.booking import DONE
-from femstruct.impact.engine.gauss_points import STAGES, collocation_rule
-from femstruct.impact.engine.modal_tables import tabulated
-from femstruct.impact.engine.sampling import STEPS, room_for
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.collocation import levels_for, march, march_room, state_at_start
+from femstruct.impact.ledger import DONE, STEPS, room_for
+from femstruct.impact.propagation import STAGES, collocation_rule, tabulated
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.system import compile_scene
+from femstruct.laws.cubic import Cubic
+from femstruct.modal.closed_form import given_modes
 
 NONE = given_modes([], [], {})[0]
 CUBIC, DISSIPATION, WEIGHT = 1.0, 1.0, 0.3  # stiffness and mass are 1

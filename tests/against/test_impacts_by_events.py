@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from femstruct import read_study, run_study
-from femstruct.study.result import CaseResult
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.workflow.run import run_study
 from tests.independent.contact_events import Again, Chain, Spring, Touch, linear, power, run
 
 G = 9.80665

@@ -9,13 +9,13 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from femstruct.errors import FemstructError
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.laws.dispatch import spring
-from femstruct.impact.laws.flores import Flores
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_study
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.system import compile_scene
+from femstruct.language.cases import read_study
+from femstruct.laws.flores import Flores
+from femstruct.laws.registry import spring
+from femstruct.modal.closed_form import given_modes
 
 ROUNDING = 1e-9  # steps and rounding: 6e-12 here at most
 

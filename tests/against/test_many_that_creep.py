@@ -7,20 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import femstruct.impact.engine.system as compiling
-import femstruct.modal.coupled_damping.oscillator_set as finishing
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.response import Response
-from femstruct.impact.result.shares import held_over_time, mode_energies
-from femstruct.impact.scene.bodies import Body, Clock, Contact, HalfSine, Load, Scene
+import femstruct.impact.system as compiling
+import femstruct.modal.oscillators as finishing
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.response import Response
+from femstruct.impact.scene import Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.impact.shares import held_over_time, mode_energies
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import Holder, ModalBasis
-from femstruct.modal.coupled_damping.kept import oscillators_of
-from femstruct.modal.coupled_damping.relaxing import relaxing_of
-from femstruct.modal.coupled_damping.under_forces import under_forces
+from femstruct.modal.closed_form import given_modes
+from femstruct.modal.oscillators import oscillators_of, relaxing_of, under_forces
 from femstruct.model.probe import Probe
 
 STEPS = 1e-8  # tolerance of collocation: what its steps may miss
@@ -81,7 +79,7 @@ def test_a_blow_is_the_same(law: Hertz | Linear, told: bool, monkeypatch: pytest
     """All that a run tells, under one contact and a load at another place, by both marches; what free motion would
     lose as a bound and, told, state by state."""
     if told:
-        monkeypatch.setattr(finishing, "KNOWN", 0.0)
+        monkeypatch.setattr(finishing, "LOSSES_ALIKE", 0.0)
     basis, place, other = woolly(seed=told)
     scene = Scene(
         (Body("ball", 0.4, -1.0, falls=True),),

@@ -12,10 +12,9 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 import femstruct as fs
+from femstruct.decks.mesh_file import read_mesh_file
 from femstruct.elements.stresses import von_mises
-from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file
-from femstruct.model.imported.cell_kinds import KINDS
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported_mesh import KINDS, ImportedMesh
 
 SIDES = (1.2, 0.7, 0.5)
 FORMATS = {"2.2 text": (2.2, 0), "2.2 binary": (2.2, 1), "4.1 text": (4.1, 0), "4.1 binary": (4.1, 1)}

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
-from femstruct.language import read_model_file, read_study
-from femstruct.language.models import read_model
+from femstruct.assembly.matrices import assemble
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model, read_model_file
 from femstruct.modal.damping import Damping, FromMaterials, Ratio, with_damping
 from femstruct.modal.frf import direct_frf, frf
 from femstruct.modal.reduction import modal_basis
-from femstruct.workflow.run.run import run_study
+from femstruct.workflow.run import run_study
 
 ROUNDING = 1e-12  # rounding: 3e-15 here at most
 

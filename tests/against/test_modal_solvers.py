@@ -11,13 +11,8 @@ from bench_modes import square_plate
 from scipy.linalg import eigh, eigvalsh
 from scipy.sparse import block_diag, csc_array, diags_array, eye_array, random_array
 
-from femstruct.modal.factor import Pencil
-from femstruct.modal.krylov import BLOCK, Krylov, converge
-from femstruct.modal.solve import modes
-from femstruct.sparse.dissection import dissect
-from femstruct.sparse.fronts import Fronts
-from femstruct.sparse.patterns import aligned
-from femstruct.sparse.solvers import SOLVERS, ZeroPivot
+from femstruct.modal.eigen import BLOCK, Krylov, Pencil, converge, modes
+from femstruct.sparse import SOLVERS, Fronts, ZeroPivot, aligned, dissect
 
 ROUNDING = 1e-12  # rounding: 5e-15 here at most
 
@@ -163,7 +158,7 @@ def test_without_the_extra_the_fronts_of_lapack_are_taken():
     code = (
         "import importlib.util as u; find = u.find_spec\n"
         "u.find_spec = lambda name, *rest: None if name == 'rslab' else find(name, *rest)\n"
-        "from femstruct.sparse.solvers import FASTEST; print(FASTEST)"
+        "from femstruct.sparse import FASTEST; print(FASTEST)"
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert told.strip() == "LAPACK fronts"

@@ -10,9 +10,9 @@ import pytest
 
 import femstruct as fs
 from femstruct.conventions import DIRECTIONS
-from femstruct.elements import solid_shapes
+from femstruct.elements import solid
 from femstruct.errors import InputError
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported_mesh import ImportedMesh
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 COUNTS, SIZE = (4, 3, 2), (0.5, 0.3, 0.2)
@@ -27,7 +27,7 @@ def bricks(kind: str) -> ImportedMesh:
     number = {tuple(place): row for row, place in enumerate(whole.tolist())}
     cubes = [place for place in whole.tolist() if all(x < n for x, n in zip(place, COUNTS, strict=True))]
     if kind == "hex8":
-        steps = np.rint(solid_shapes.reference_nodes("hex8")).astype(int)
+        steps = np.rint(solid.reference_nodes("hex8")).astype(int)
         cells = [[number[tuple(cube + step)] for step in steps] for cube in np.array(cubes)]
     else:
         cells = []

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from femstruct import read_study, run_study
-from femstruct.study.result import CaseResult
-from femstruct.view.tables.terminal import study_tables
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.run import run_study
 
 Force = Callable[[float, float], float]  # of indentation and its rate
 MODEL = """

@@ -15,9 +15,10 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 from scipy.signal import butter, sosfiltfilt
 
-from femstruct import read_study, run_study
-from femstruct.impact.laws.registry import LAWS as ALL_LAWS
-from femstruct.study.result import CaseResult
+from femstruct.language.cases import read_study
+from femstruct.laws.registry import LAWS as ALL_LAWS
+from femstruct.study.results import CaseResult
+from femstruct.workflow.run import run_study
 from tests.independent import contact_events as by_events
 from tests.independent.contact_events import Chain, Law, Touch, chi_of_restitution
 from tests.independent.frames import Skeleton, section

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.files.exchange.uff_reading import read_uff
-from femstruct.files.exchange.uff_writing import write_uff
-from femstruct.modal.measured.measurement import MeasuredFrf, MeasuredHistory, MeasuredModes, MeasuredPlace, Measurement
+from femstruct.files.uff import read_uff, write_uff
+from femstruct.modal.measured import MeasuredFrf, MeasuredHistory, MeasuredModes, MeasuredPlace, Measurement
 
 pytest.importorskip("pyuff", reason="universal files need the package pyuff")
 SIX_DIGITS = 5e-6  # of a number: what E13.5 keeps

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from femstruct.dimensions import DIMENSIONS
-from femstruct.units import quantity
+from femstruct.units import DIMENSIONS, quantity
 
 REGISTRY = pint.UnitRegistry()
 CASES = [

@@ -13,17 +13,16 @@ import pytest
 
 from acoustics.air import Air
 from acoustics.fields.shaped import ShapedRoom
-from acoustics.levels.bands import third_octave_bands
-from acoustics.levels.filters import band_passes
+from acoustics.levels.bands import band_passes, third_octave_bands
 from acoustics.levels.rated import rate_room
 from acoustics.losses import Losses, losses_from_t60
 from acoustics.meshed.cavity_mesh import box_mesh
-from acoustics.meshed.cut_box import cut_box
+from acoustics.meshed.finite_elements import cut_box
 from acoustics.meshed.walls import Wall, YieldingWall, absorbing
 from acoustics.receivers import Receiver
 from acoustics.source import SurfaceVelocity
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 AIR, SIZE = Air(), (4.0, 3.0, 2.5)
 LINED = ("x0", "x1", "y0", "y1", "floor")

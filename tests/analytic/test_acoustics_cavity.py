@@ -5,24 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import (
-    AcousticsError,
-    Air,
-    Losses,
-    Receiver,
-    Room,
-    SurfaceVelocity,
-    losses_from_beta,
-    losses_from_t60,
-    pressure,
-)
-from acoustics.levels.decay import reverberation_time
-from acoustics.meshed.absorbing_walls import absorbed
+from acoustics.air import Air
+from acoustics.errors import AcousticsError
+from acoustics.fields.rectangular import Room
+from acoustics.levels.sound_levels import reverberation_time
+from acoustics.losses import Losses, losses_from_beta, losses_from_t60
 from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
 from acoustics.meshed.finite_elements import cavity_modes, drive, probe, wall_integrals
 from acoustics.meshed.meshed_pressure import cavity_pressure
-from acoustics.meshed.walls import Wall, absorbing, random_incidence_absorption
-from acoustics.source import SurfaceShapes
+from acoustics.meshed.walls import Wall, absorbed, absorbing, random_incidence_absorption
+from acoustics.receivers import Receiver
+from acoustics.rooms.box_pressure import pressure
+from acoustics.source import SurfaceShapes, SurfaceVelocity
 
 ROUNDING = 1e-12  # rounding: 2e-15 here at most
 

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 from scipy.special import j1, struve
 
-from acoustics import AcousticsError, Air, Receiver, SurfaceVelocity, SurfaceVibration
+from acoustics.air import Air
+from acoustics.errors import AcousticsError
 from acoustics.fields.half_space import HalfSpace
-from acoustics.open_air.radiated_power import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
+from acoustics.open_air.power import radiated_power, radiation_efficiency, radiation_impedance, radiation_modes
 from acoustics.open_air.rayleigh import field_pressures, harmonic_field
+from acoustics.receivers import Receiver
+from acoustics.source import SurfaceVelocity, SurfaceVibration
 
 ROUNDING = 1e-11  # rounding: 8e-14 here at most
 

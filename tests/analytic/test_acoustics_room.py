@@ -8,21 +8,15 @@ from math import comb, pi
 import numpy as np
 import pytest
 
-from acoustics import (
-    Air,
-    Losses,
-    Receiver,
-    Room,
-    SurfaceVelocity,
-    losses_from_beta,
-    losses_from_t60,
-    pressure,
-    pressure_map,
-    room_modes,
-)
+from acoustics.air import Air
+from acoustics.fields.rectangular import Room
 from acoustics.levels.sound_levels import sound_levels
-from acoustics.rooms.box_pressure import pressures
-from acoustics.rooms.box_transfer import cosines, horizontal_wavenumber, overlaps, transfer
+from acoustics.losses import Losses, losses_from_beta, losses_from_t60
+from acoustics.receivers import Receiver
+from acoustics.rooms.box import cosines, horizontal_wavenumber, overlaps, room_modes, transfer
+from acoustics.rooms.box_harmonic import pressure_map
+from acoustics.rooms.box_pressure import pressure, pressures
+from acoustics.source import SurfaceVelocity
 
 ROUNDING = 1e-12  # rounding: 9e-15 here at most
 

@@ -5,11 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import AcousticsError, Receiver, Room, SurfaceVelocity, losses_from_t60, pressure, sound_levels
-from acoustics.levels.ending import ended
+from acoustics.errors import AcousticsError
+from acoustics.fields.rectangular import Room
+from acoustics.levels.bands import ended
+from acoustics.levels.sound_levels import sound_levels
+from acoustics.losses import losses_from_t60
+from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box_pressure import pressures
+from acoustics.rooms.box_pressure import pressure, pressures
 from acoustics.rooms.room_advice import sampling_advice, third_octave_missed_db
+from acoustics.source import SurfaceVelocity
 
 ROOM = Room([3.0, 2.0, 2.5], losses=losses_from_t60(0.4))
 HERE = [Receiver("mic", [0.8, 0.7, 1.2])]

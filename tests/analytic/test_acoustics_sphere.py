@@ -7,10 +7,13 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 from scipy.special import zeta
 
-from acoustics import AcousticsError, Air, Receiver
+from acoustics.air import Air
+from acoustics.errors import AcousticsError
 from acoustics.fields.half_space import HalfSpace
-from acoustics.open_air import multipoles, sphere
+from acoustics.open_air import sphere
+from acoustics.open_air import sphere as multipoles
 from acoustics.open_air.sphere import HIGHEST_KA, Sphere, sphere_pressures, sphere_transfer
+from acoustics.receivers import Receiver
 
 AIR = Air(343.0, 1.21)
 SPACE = HalfSpace(AIR)

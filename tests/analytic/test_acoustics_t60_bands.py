@@ -5,19 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import (
-    AcousticsError,
-    Air,
-    Receiver,
-    Room,
-    SurfaceVelocity,
-    losses_from_t60_bands,
-    pressure,
-    reverberation_time,
-    room_modes,
-    t60_of,
-)
+from acoustics.air import Air
+from acoustics.errors import AcousticsError
+from acoustics.fields.rectangular import Room
+from acoustics.levels.sound_levels import reverberation_time
+from acoustics.losses import losses_from_t60_bands, t60_of
+from acoustics.receivers import Receiver
+from acoustics.rooms.box import room_modes
+from acoustics.rooms.box_pressure import pressure
 from acoustics.rooms.room_advice import t60_missed
+from acoustics.source import SurfaceVelocity
 
 LN = 3 * np.log(10)
 BANDS = np.array([63.0, 125.0, 250.0, 500.0])

@@ -9,14 +9,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
-from femstruct.assembly.assemble import assemble
-from femstruct.assembly.matrices import Assembly
-from femstruct.model.material import Material
+from femstruct.assembly.matrices import Assembly, assemble
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
 from femstruct.model.probe import Point
-from femstruct.model.region import Region
-from femstruct.model.section import rectangle
+from femstruct.model.regions import Region
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame

@@ -11,19 +11,18 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import eigsh
 
-from femstruct.assembly.assemble import assemble
-from femstruct.assembly.dofs import number_dofs
-from femstruct.assembly.ties import RANK, eliminate
+from femstruct.assembly.matrices import assemble
+from femstruct.assembly.ties import RANK, eliminate, number_dofs
 from femstruct.conventions import GRAVITY
 from femstruct.modal.statics import sunk
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.region import Region
-from femstruct.model.section import circle, rectangle
+from femstruct.model.regions import Region
+from femstruct.model.sections import circle, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
-from femstruct.parts.findings.joint_springs import joint_spring_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
+from femstruct.parts.joints import joint_spring_findings
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
 from femstruct.parts.spring import Spring

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.model.imported.stated.unused import unused_findings
-from femstruct.workflow.judgement.structure_findings import structure_findings_before
+from femstruct.model.unused import unused_findings
+from femstruct.workflow.structure_findings import structure_findings_before
 
 SIDE, CELLS = 600.0, 6  # mm, and how many cells along each side
 HUB = (250.0, 300.0, 80.0)  # middle of the spider, off the plate
@@ -222,7 +222,7 @@ def test_the_force_of_the_supports_carries_the_weight(tmp_path: Path) -> None:
 
 
 def test_attachments_are_nodes_of_others_and_sag_with_them(tmp_path: Path) -> None:
-    from femstruct.workflow.stages.sags import sags
+    from femstruct.workflow.bases import sags
 
     found = model(tmp_path, bulk(), PLATE + REST)
     basis = fs.modal_basis(fs.assemble(found), count=10)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.impact.result.fatigue import counted_on_planes
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.section import rectangle
+from femstruct.impact.fatigue import counted_on_planes
+from femstruct.model.imported_mesh import ImportedMesh
+from femstruct.model.sections import rectangle
 
 E, NU = 210e9, 0.3
 STEEL = fs.Material("steel", E=E, nu=NU, rho=7850.0)

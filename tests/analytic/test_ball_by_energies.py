@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from femstruct.impact.scene.impact_sources import RUBBER_BALL
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
+from femstruct.impact.scene import RUBBER_BALL
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 C, RHO = 343.0, 1.21  # of air

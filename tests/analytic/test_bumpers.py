@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.workflow.run import run_study
 
 BUMPED = """model: model.yaml
 modes: {count: 6}

@@ -9,14 +9,14 @@ import pytest
 from scipy.sparse import csr_array
 
 import femstruct as fs
-from acoustics import Air, Cavity, Room, Wool
-from acoustics.cavities.cavity_air import cavity_air
+from acoustics.air import Air
+from acoustics.fields.rectangular import Room
+from acoustics.rooms.cavities import Cavity, Wool, cavity_air
 from acoustics.source import SurfaceShapes
-from femstruct.modal.analytic import given_modes
+from femstruct.modal.closed_form import given_modes
 from femstruct.model.probe import Probe, Surface
-from femstruct.sound.cavities import AIR, WOOL
-from femstruct.sound.placed_cavity import PlacedCavity
-from femstruct.sound.two_way import with_cavity
+from femstruct.sound.cavity_coupling import AIR, WOOL, PlacedCavity
+from femstruct.sound.coupling import with_cavity
 from tests.data.cavities_by_hand import exact, matrices, poles
 
 ROUNDING = 1e-9  # of coordinates up to 30 kHz beside rigid ones

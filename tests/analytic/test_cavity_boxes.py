@@ -12,10 +12,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from acoustics.cavities.cavity import Cavity
-from acoustics.cavities.cavity_air import cavity_air
-from acoustics.cavities.condensed import condensed
-from acoustics.cavities.equivalent_fluid import Frame, Wool
+from acoustics.rooms.cavities import Cavity, Frame, Wool, cavity_air, condensed
 from acoustics.source import SurfaceShapes
 from tests.data.cavities_by_hand import AIR, matrices
 

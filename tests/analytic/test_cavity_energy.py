@@ -7,9 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import femstruct as fs
-from acoustics import Air, Cavity, Wool
-from femstruct.impact.result.shares import mode_energies
-from femstruct.sound.cavities import AIR, WOOL
+from acoustics.air import Air
+from acoustics.rooms.cavities import Cavity, Wool
+from femstruct.impact.shares import mode_energies
+from femstruct.sound.cavity_coupling import AIR, WOOL
 from tests.analytic.test_cavities_coupled import LOWER, MASSES, UPPER, two_pistons
 from tests.data.cavities_by_hand import matrices, pistons
 

@@ -7,8 +7,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from acoustics.cavities.cavity import Cavity
-from acoustics.cavities.equivalent_fluid import Frame, Wool
+from acoustics.rooms.cavities import Cavity, Frame, Wool
 from tests.data.cavities_by_hand import AIR, P0, RHO, driven, exact, matrices, pistons, poles
 
 DEPTH = 0.2

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from acoustics.air import Air
-from acoustics.cavities.equivalent_fluid import GAMMA, LEAST, MOST, PRANDTL, Wool
+from acoustics.rooms.cavities import GAMMA, LEAST, MOST, PRANDTL, Wool
 
 P0, RHO = 101325.0, 1.204
 AIR = Air((1.4 * P0 / RHO) ** 0.5, RHO)

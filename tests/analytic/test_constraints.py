@@ -14,11 +14,11 @@ from femstruct.assembly.constraint_findings import constraint_findings
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import InputError
 from femstruct.modal.residuals import unit_diagonal
-from femstruct.model.equations.average import fitted_motion
-from femstruct.model.equations.constraint import Constraint
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.constraints import fitted_motion
+from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
 from femstruct.model.part import Part
+from femstruct.model.structure import Constraint
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 ROUNDING = 1e-9  # of the largest: sums over a few hundred terms, with stiffnesses 1e6 apart

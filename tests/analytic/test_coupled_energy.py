@@ -13,18 +13,21 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.sparse import csr_array
 
-from acoustics import Air, ShapedRoom, YieldingWall, box_mesh
+from acoustics.air import Air
 from acoustics.fields.rectangular import Room
+from acoustics.fields.shaped import ShapedRoom
 from acoustics.losses import Losses, losses_from_beta
-from acoustics.rooms.box_two_way import Leak
-from femstruct.impact.result.shares import held_over_time, mode_energies
-from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
+from acoustics.meshed.cavity_mesh import box_mesh
+from acoustics.meshed.walls import YieldingWall
+from acoustics.rooms.box_coupling import Leak
+from femstruct.impact.scene import Clock, HalfSine, Load, Scene
+from femstruct.impact.shares import held_over_time, mode_energies
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import oscillator
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import oscillator
 from femstruct.model.probe import Surface
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.placed import placed
-from femstruct.sound.two_way import with_cavity
 
 ROUNDING = 1e-13  # rounding: 8e-16 here at most
 

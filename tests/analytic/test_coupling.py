@@ -24,25 +24,25 @@ from acoustics.losses import Losses, losses_from_beta, losses_from_loss_factor, 
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.meshed.walls import Wall
 from acoustics.receivers import Receiver
+from acoustics.rooms.box_coupling import Leak
 from acoustics.rooms.box_pressure import pressure
-from acoustics.rooms.box_two_way import Leak
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import InputError
-from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
+from femstruct.impact.scene import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_model_file
-from femstruct.modal.analytic import oscillator
+from femstruct.language.models import read_model_file
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import oscillator
 from femstruct.modal.damping import Damping, LossFactor, Ratio, with_damping
 from femstruct.modal.frf import frf
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.probe import Surface
 from femstruct.model.structure import Structure
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.placed import placed
-from femstruct.sound.surface import pressure_per_force, surface_velocity
-from femstruct.sound.two_way import with_cavity
-from femstruct.workflow.stages.coupled_air import static_stiffness
+from femstruct.sound.surfaces import pressure_per_force, surface_velocity
+from femstruct.workflow.coupled_air import static_stiffness
 
 ROUNDING = 1e-12  # rounding: 8e-15 here at most
 

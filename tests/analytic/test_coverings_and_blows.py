@@ -12,9 +12,9 @@ import pytest
 
 import femstruct as fs
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.impact.scene.impact_sources import scattered
-from femstruct.study.result import StudyResult
-from femstruct.workflow.stages.positions import positioned
+from femstruct.impact.scene import scattered
+from femstruct.study.results import StudyResult
+from femstruct.workflow.bases import positioned
 
 BANDS = (100, 125, 160, 200, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150)
 MODEL = """

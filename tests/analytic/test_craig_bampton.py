@@ -9,9 +9,8 @@ from scipy.linalg import eig, eigh
 from scipy.sparse import block_diag, csr_array
 
 import femstruct as fs
-from femstruct.assembly.assemble import _equations
-from femstruct.assembly.dofs import RawDofs, number_dofs
-from femstruct.assembly.ties import eliminate
+from femstruct.assembly.matrices import _equations
+from femstruct.assembly.ties import RawDofs, eliminate, number_dofs
 from femstruct.errors import FemstructError
 from femstruct.model.model import Model
 

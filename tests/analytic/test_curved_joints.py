@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
-from femstruct.parts.findings.joint_springs import joint_open_findings
+from femstruct.parts.joints import joint_open_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

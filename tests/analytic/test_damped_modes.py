@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.modal.analytic import given_modes
-from femstruct.modal.coupled_damping.damped_modes import damped_modes
+from femstruct.modal.closed_form import given_modes
+from femstruct.modal.coupled_damping import damped_modes
 from femstruct.study.asked import Extent
-from femstruct.workflow.check.asked_modes import modes_of
+from femstruct.workflow.modes import modes_of
 
 FREQUENCIES = [10.0, 14.0, 30.0, 31.0, 90.0]
 MODEL = """

@@ -7,27 +7,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import InputError, InputErrors
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
+from femstruct.impact.scene import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_model_file
+from femstruct.language.models import read_model_file
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.by_frequency.own_modes import own_modes
+from femstruct.modal.by_frequency import own_modes
 from femstruct.modal.complex_modes import complex_modes
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, with_damping
 from femstruct.modal.frf import direct_frf, frf
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.statics import statics
-from femstruct.model.material import Material
-from femstruct.model.materials.edge_wall import EdgeWall
-from femstruct.model.materials.loss_by_frequency import LossByFrequency
+from femstruct.model.materials import EdgeWall, LossByFrequency, Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.plate import Plate
-from femstruct.workflow.judgement.structure_findings import structure_findings_before
+from femstruct.workflow.structure_findings import structure_findings_before
 
 L, WIDTH, HEIGHT = 4.0, 0.5, 0.1  # m: a strip that only bends along x, since its nu is 0
 CONCRETE = Material("concrete", E=30e9, nu=0.0, rho=2400.0)

@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 import scipy
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import InputError, InputErrors
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
+from femstruct.impact.scene import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_model_file
+from femstruct.language.models import read_model_file
+from femstruct.laws.linear import Linear
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.complex_modes import complex_modes
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, with_damping
 from femstruct.modal.frf import direct_frf, frf
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.statics import statics
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
-from femstruct.model.region import Region
+from femstruct.model.regions import Region
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.plate import Plate
 from femstruct.parts.slab import Slab

@@ -8,7 +8,8 @@ import pytest
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from femstruct.elements import frame, placement
+from femstruct.elements import frame
+from femstruct.elements import members as placement
 from femstruct.errors import InputError
 
 ROUNDING = 1e-13  # rounding: 4e-16 here at most

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import eigh
 
 from femstruct.elements import quad_shell, triangle_shell
-from femstruct.elements.facets.axes import angles, frames, turned, turned_resultants
+from femstruct.elements.flat_elements import angles, frames, turned, turned_resultants
 
 HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "shells_by_hand.py"))
 Shell, all_of, grid, halves, isotropic = (HAND[name] for name in ("Shell", "all_of", "grid", "halves", "isotropic"))

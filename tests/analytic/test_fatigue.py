@@ -10,20 +10,22 @@ import pytest
 import rainflow
 
 import femstruct as fs
-from femstruct import read_results, read_study, run_study, write_results
 from femstruct.errors import InputErrors
-from femstruct.files.tables.study_tables import summary
-from femstruct.impact.result.fatigue import (
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.impact.fatigue import (
     counted,
     counted_on_planes,
+    expected,
     most_damaged,
     normals_of,
     plane_weights,
     rainflow_cycles,
 )
-from femstruct.impact.result.spectral_fatigue import expected
-from femstruct.impact.result.spectral_fatigue import most_damaged as most_damaged_of_spectra
-from femstruct.workflow.stages.modal_bases import solve_all
+from femstruct.impact.fatigue import most_damaged_by_spectra as most_damaged_of_spectra
+from femstruct.language.cases import read_study
+from femstruct.workflow.bases import solve_all
+from femstruct.workflow.run import run_study
 from tests.independent.vibration import dirlik
 
 MODEL = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"

@@ -10,25 +10,29 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 
-from acoustics import Air, Receiver, SurfaceVelocity, SurfaceVibration, losses_from_t60
+from acoustics.air import Air
 from acoustics.fields.rectangular import Room
 from acoustics.fields.shaped import ShapedRoom
 from acoustics.fields.sound_field import SoundField
-from acoustics.meshed.cut_box import cut_box
-from femstruct import assemble, modal_basis, read_model
+from acoustics.losses import losses_from_t60
+from acoustics.meshed.finite_elements import cut_box
+from acoustics.receivers import Receiver
+from acoustics.source import SurfaceVelocity, SurfaceVibration
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import InputError, InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.modal.frf import modal_amplitudes
+from femstruct.modal.reduction import modal_basis
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.flanking import SurfaceShares, surface_shares
 from femstruct.sound.placed import placed
-from femstruct.sound.surface import pressure_per_force
-from femstruct.sound.two_way import with_cavity
-from femstruct.view.tables.radiated_table import bands_by_surface, shares_by_surface
-from femstruct.workflow.run.run import run_study
+from femstruct.sound.surfaces import pressure_per_force
+from femstruct.view.answer_tables import bands_by_surface, shares_by_surface
+from femstruct.workflow.run import run_study
 
 AIR, LOSSES = Air(343.0, 1.21), losses_from_t60(0.5)
 MODEL = """

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import Section
+from femstruct.model.sections import Section
 from femstruct.model.structure import PlaceOn, Structure, Support
-from femstruct.parts.findings.frame_waves import frame_waves
-from femstruct.parts.findings.waves import carried_hz, mesh_findings
 from femstruct.parts.frame import Frame
+from femstruct.parts.waves import carried_hz, frame_waves, mesh_findings
 
 ROUNDING = 1e-13  # rounding: 6e-16 here at most
 

@@ -17,22 +17,15 @@ import xarray
 
 from femstruct.campaign.designs import Designs
 from femstruct.campaign.front_search import _found, evolution, pareto_front, searched
-from femstruct.campaign.journal import Journal, Row, opened
-from femstruct.campaign.kept_rows import write_optimum
-from femstruct.campaign.numbers import Number
-from femstruct.campaign.optimise import optimise
-from femstruct.campaign.searching import set_aside
+from femstruct.campaign.optimise import optimise, set_aside
+from femstruct.campaign.rows import Journal, Number, Row, opened, write_optimum
 from femstruct.campaign.tasks import Task, rows_of
 from femstruct.errors import InputError
-from femstruct.files.results_file.found_file import read_found
-from femstruct.files.results_file.swept_file import read_swept
-from femstruct.files.tables.front_tables import front_table
-from femstruct.language.searches import read_search
-from femstruct.study.campaign.front import Front
-from femstruct.study.campaign.pareto import hypervolume, knee, nondominated, picked
-from femstruct.study.campaign.sought import Goal, Search
-from femstruct.study.campaign.swept import Swept
-from femstruct.study.campaign.varied import Listed, Scattered
+from femstruct.files.campaign_files import read_found, read_swept
+from femstruct.files.campaign_tables import front_table
+from femstruct.language.campaigns import read_search
+from femstruct.study.campaigns import Listed, Scattered, Swept
+from femstruct.study.optima import Front, Goal, Search, hypervolume, knee, nondominated, picked
 
 LONG, STEEL, RHO, SIDES = 2.0, 210e9, 7850.0, (0.02, 0.1)
 WIDTH, HEIGHT = (Scattered(name, "uniform", *SIDES, "m") for name in ("width", "height"))
@@ -285,7 +278,7 @@ def test_an_interrupted_search_goes_on_to_the_same_front(
     assert rows[0]["command"].startswith(f"femstruct run {hit} --set 'bodies.ball.mass=") and rows[0]["stands out"]
     assert rest.rows.provenance["pymoo_version"] == version("pymoo")
     with monkeypatch.context() as other:
-        other.setattr("femstruct.campaign.searching.version_of", lambda name: {f"{name}_version": "another"})
+        other.setattr("femstruct.campaign.optimise.version_of", lambda name: {f"{name}_version": "another"})
         assert set_aside(search, folder) == folder / "optimise.1.rows"
     for path in folder.glob("optimise*.1.*"):
         path.rename(folder / path.name.replace(".1.", "."))

@@ -12,12 +12,12 @@ import pytest
 
 import femstruct as fs
 from femstruct.arrays import Floats
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
-from femstruct.modal.steady.installed import contact_forces
-from femstruct.workflow.continuation.blow_forces import blow
+from femstruct.modal.closed_form import given_modes
+from femstruct.modal.installed_sources import contact_forces
+from femstruct.workflow.rated_floors import blow
 
 MASS, SPEED = 0.5, 0.886  # of ISO 10140-5
 CONCRETE, CHIPBOARD = 3.84e5, 1620.0  # N s/m

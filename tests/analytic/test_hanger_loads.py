@@ -7,15 +7,15 @@ from dataclasses import replace
 import pytest
 
 from femstruct.conventions import GRAVITY
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
-from femstruct.workflow.judgement.structure_findings import structure_findings_before
-from femstruct.workflow.stages.hung import hung
+from femstruct.workflow.bases import hung
+from femstruct.workflow.structure_findings import structure_findings_before
 
 STONE = Material("stone", E=30e9, nu=0.2, rho=2300.0)
 GYPSUM = Material("gypsum", E=3.0e9, nu=0.3, rho=800.0)

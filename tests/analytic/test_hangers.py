@@ -9,23 +9,23 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.conventions import GRAVITY
-from femstruct.language import read_model_file
+from femstruct.language.models import read_model_file
 from femstruct.modal.damping import Damping, FromMaterials, with_damping
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.statics import statics
-from femstruct.model.material import Material
-from femstruct.model.materials.lay_up import Laminate, Layer
+from femstruct.model.lay_ups import Laminate, Layer
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.frame import Frame
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import plausibility_findings
 from femstruct.parts.slab import Slab
-from femstruct.workflow.stages.recorded.stresses import stress_at_rest
+from femstruct.workflow.channels import stress_at_rest
 
 ROUNDING = 1e-9  # rounding of rigid motions beside stiff plates: 2e-11 here
 RIGID = 1e-4  # of a frequency: plates 3 m wide of 3e16 Pa bend by less

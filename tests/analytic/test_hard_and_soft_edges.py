@@ -13,8 +13,8 @@ import pytest
 
 import femstruct as fs
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language import read_model_file
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.language.models import read_model_file
+from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.study.asked import Extent
 from femstruct.study.inputs import inputs
 from femstruct.study.study import Study

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from femstruct import GROUND, Body, Clock, Contact, Hertz, Linear, Scene, simulate
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, InputError
-from femstruct.impact.scene.force_pulse import LASTS, LOSES, pulse_of
-from femstruct.modal.analytic import given_modes
-from femstruct.workflow.identify.fit import fit, fitted, parameter
-from femstruct.workflow.identify.fit_findings import Left, fit_findings
-from femstruct.workflow.identify.intervals import Fit
-from femstruct.workflow.identify.undetermined import combinations
+from femstruct.impact.collisions import LASTS, LOSES, pulse_of
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.simulate import simulate
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
+from femstruct.workflow.fit import Fit, Left, combinations, fit, fit_findings, fitted, parameter
 
 ROUNDING = 1e-11  # steps and rounding: 6e-14 here at most
 

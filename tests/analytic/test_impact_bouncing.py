@@ -8,20 +8,19 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from femstruct.impact.estimate import error_of
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.result.response import Outcome, Response
-from femstruct.impact.result.shares import mode_energies
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, End, Scene
+from femstruct.impact.numerical_error import error_of, unresolved_findings
+from femstruct.impact.response import Outcome, Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, End, Scene
+from femstruct.impact.shares import mode_energies
 from femstruct.impact.simulate import simulate
-from femstruct.impact.unresolved import unresolved_findings
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.cubic import Cubic
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.tabulated import Tabulated
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes
 
 ROUNDING = 1e-11  # steps and rounding: 7e-14 here at most
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.special import gamma
 
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.result.response import Outcome
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
+from femstruct.impact.response import Outcome
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
+from femstruct.modal.closed_form import given_modes, oscillator
 
 ROUNDING = 1e-12  # steps and rounding: 4e-15 here at most
 

@@ -9,13 +9,13 @@ import pytest
 from scipy.optimize import brentq
 
 from femstruct.errors import InputError, NotConverged
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
-from femstruct.impact.scene.collisions import collide, collide_as_one
-from femstruct.impact.scene.restitution import damping_ratio_for
+from femstruct.impact.collisions import collide, collide_as_one
+from femstruct.impact.response import Response
+from femstruct.impact.scene import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.linear import Linear
+from femstruct.laws.restitution import damping_ratio_for
+from femstruct.modal.closed_form import given_modes
 
 NONE = given_modes([], [], {})[0]
 
@@ -162,7 +162,7 @@ def test_refusals() -> None:
 
 def test_endless_blows_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three equal bodies collapse when e < 7 - 4 sqrt(3) = 0.0718: infinitely many blows in a finite time."""
-    monkeypatch.setattr("femstruct.impact.scene.collisions.AT_REST", 0.0)
-    monkeypatch.setattr("femstruct.impact.scene.collisions.MOST_COLLISIONS", 20)
+    monkeypatch.setattr("femstruct.impact.collisions.AT_REST", 0.0)
+    monkeypatch.setattr("femstruct.impact.collisions.MOST_COLLISIONS", 20)
     with pytest.raises(NotConverged, match="20 blows"):
         collide([1.0, 1.0, 1.0], [1.0, 0.0, -1.0], [0.05, 0.05])

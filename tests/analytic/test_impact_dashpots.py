@@ -10,15 +10,14 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.result.dashpots import dashpot_losses
-from femstruct.impact.result.shares import energy_shares, mode_energies
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
+from femstruct.impact.scene import Body, Clock, Contact, Scene
+from femstruct.impact.shares import dashpot_losses, energy_shares, mode_energies
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.placed import placed
-from femstruct.sound.two_way import with_cavity
 
 ROUNDING = 1e-13  # steps and rounding: 2e-16 here at most
 

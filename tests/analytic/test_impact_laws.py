@@ -14,20 +14,20 @@ from scipy.optimize import brentq
 from scipy.special import ellipk, gamma
 
 from femstruct.errors import FemstructError, InputError
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.result.response import Outcome, Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.scene.restitution import damping_ratio_for, dissipation_for, restitution_of
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.response import Outcome, Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.cubic import Cubic
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.lankarani_nikravesh import LankaraniNikravesh
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.restitution import damping_ratio_for, dissipation_for, restitution_of
+from femstruct.laws.stop import Stop
+from femstruct.laws.tabulated import Tabulated
+from femstruct.modal.closed_form import given_modes
 
 ROUNDING = 1e-12  # rounding: 6e-15 here at most
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.shares import energy_shares, grouped, mode_energies
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.shares import energy_shares, grouped, mode_energies
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
 
 
 @pytest.mark.parametrize("law", [Linear(1e6, 50.0), Hertz(1e9, 20.0)], ids=["exact march", "collocation"])

@@ -11,10 +11,10 @@ import pytest
 
 import femstruct.impact.simulate as engine
 from femstruct.arrays import Floats
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import Body, Clock, Contact, HalfSine, Load, Scene
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.response import Response
+from femstruct.impact.scene import Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
 
 F, OMEGA = 1.0, 2.0 * np.pi  # of the wave: 1 N, 1 Hz
 

@@ -11,8 +11,7 @@ from scipy.special import ellipk, j0
 
 from acoustics.air import Air
 from acoustics.errors import AcousticsError
-from acoustics.statistical.diffuse_radiation import diffuse_radiation
-from acoustics.statistical.infinite_plate import InfinitePlate, isotropic_plate
+from acoustics.levels.statistical import InfinitePlate, diffuse_radiation, isotropic_plate
 
 THIRDS = 1000.0 * 10 ** (np.arange(-13, 6) / 10)
 # cross-laminated timber of five layers of 40 mm: D and S of its section, D66 of full glue

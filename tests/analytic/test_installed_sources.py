@@ -10,15 +10,14 @@ import pytest
 
 import femstruct as fs
 from femstruct.findings.catalogue import CATALOGUE
-from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes
 from femstruct.modal.damping import Damping, LossFactor
 from femstruct.modal.frf import direct_frf, modal_amplitudes
-from femstruct.modal.steady.installed import contact_forces, receiver_mobility
-from femstruct.modal.steady.resonant_lines import resonant_lines
-from femstruct.modal.steady.with_source import resonances_with
+from femstruct.modal.installed_sources import contact_forces, receiver_mobility, resonances_with
+from femstruct.modal.steady import resonant_lines
 from femstruct.model.model import Model
-from femstruct.study.result import CaseResult
+from femstruct.study.results import CaseResult
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 DAMPING = Damping(LossFactor(0.03))

@@ -12,10 +12,10 @@ import pytest
 from numpy.typing import NDArray
 
 import femstruct as fs
-from femstruct.elements.solid_shapes import reference_nodes, shapes
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.elements.solid import reference_nodes, shapes
+from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
-from femstruct.parts.findings.joint_springs import joint_open_findings
+from femstruct.parts.joints import joint_open_findings
 
 Array = NDArray[np.float64]
 Corner = tuple[float, float, float]

@@ -18,13 +18,13 @@ from typer.testing import CliRunner
 import femstruct as fs
 from femstruct.cli import app
 from femstruct.elements import membrane, quad_shell, triangle_shell
-from femstruct.files.inputs.matrices_input import read_component
-from femstruct.language import read_model_file
+from femstruct.files.matrices_input import read_component
+from femstruct.language.models import read_model_file
+from femstruct.modal.damping import material_losses
 from femstruct.modal.frf import direct_frf
-from femstruct.modal.loss_tables import material_losses
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.materials.loss_by_frequency import LossByFrequency
-from femstruct.model.section import rectangle
+from femstruct.model.imported_mesh import ImportedMesh
+from femstruct.model.materials import LossByFrequency
+from femstruct.model.sections import rectangle
 
 MATERIALS = fs.Damping(fs.FromMaterials())
 STIFF = fs.Material("stiff", 30e9, 0.2, 2400.0, loss_factor=0.01)

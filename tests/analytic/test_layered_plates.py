@@ -7,24 +7,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
-from femstruct.model.materials.lay_up import Laminate, Layer, LayUp, Smeared, section_of
-from femstruct.model.materials.orthotropic import AnyMaterial, Orthotropic
+from femstruct.model.lay_ups import Laminate, Layer, LayUp, Smeared, section_of
+from femstruct.model.materials import AnyMaterial, Material, Orthotropic
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, Structure, Support
-from femstruct.parts.findings.eccentric import rib_errors
-from femstruct.parts.findings.losses.layer_losses import layer_loss_findings
-from femstruct.parts.findings.theory import model_findings, shear_excess
-from femstruct.parts.findings.waves import bending_wavelength, mesh_findings
 from femstruct.parts.frame import Frame
-from femstruct.parts.of_plates.plate_mesh import PlateMesh
-from femstruct.parts.plate import Plate
+from femstruct.parts.loss_findings import layer_loss_findings
+from femstruct.parts.plate import Plate, PlateMesh
 from femstruct.parts.plausibility import material_findings, plausibility_findings
-from femstruct.workflow.judgement.structure_findings import structure_findings_before
+from femstruct.parts.ribs import rib_errors
+from femstruct.parts.waves import bending_wavelength, mesh_findings, model_findings, shear_excess
+from femstruct.workflow.structure_findings import structure_findings_before
 
 ROUNDING = 1e-12  # sums of some tens of terms in double precision
 RIGHT = np.pi / 2

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.language import read_model_file
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.language.models import read_model_file
+from femstruct.model.imported_mesh import ImportedMesh
 
 RIGHT = np.pi / 2
 

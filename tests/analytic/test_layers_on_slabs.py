@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import InputError
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.region import Region
+from femstruct.model.regions import Region
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.block import Block
 from femstruct.parts.foundation import Foundation

@@ -9,19 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
-from femstruct.assembly.matrices import Assembly
+from femstruct.assembly.matrices import Assembly, assemble
 from femstruct.errors import InputError, InputErrors
-from femstruct.language import read_model_file
+from femstruct.language.models import read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, with_damping
 from femstruct.modal.frf import direct_frf, frf
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
-from femstruct.model.materials.edge_wall import EdgeWall
-from femstruct.model.materials.lay_up import Laminate, Layer
-from femstruct.model.materials.loss_by_frequency import (
+from femstruct.model.lay_ups import Laminate, Layer
+from femstruct.model.materials import (
+    EdgeWall,
     LossByFrequency,
+    Material,
     laboratory_losses,
     measured_losses,
     of_plate,
@@ -29,14 +28,14 @@ from femstruct.model.materials.loss_by_frequency import (
 )
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
-from femstruct.model.region import Region
-from femstruct.model.section import rectangle
+from femstruct.model.regions import Region
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
-from femstruct.parts.findings.losses.total_losses import total_loss_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
+from femstruct.parts.loss_findings import total_loss_findings
 from femstruct.parts.plate import Plate
-from femstruct.workflow.judgement.structure_findings import structure_findings_before
+from femstruct.workflow.structure_findings import structure_findings_before
 
 TABLE = LossByFrequency(((50.0, 0.08), (100.0, 0.05), (400.0, 0.02)))
 MATERIALS = Damping(FromMaterials())

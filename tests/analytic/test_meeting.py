@@ -10,14 +10,14 @@ import pytest
 
 from acoustics.fields.shaped import ShapedRoom
 from acoustics.meshed.cavity_mesh import box_mesh
-from femstruct.language import read_study
+from femstruct.language.cases import read_study
 from femstruct.modal.damping import with_damping
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.placed import placed
-from femstruct.sound.surface import pressure_per_force
-from femstruct.sound.two_way import with_cavity
-from femstruct.study.room_surfaces import placed_room
-from femstruct.workflow.judgement.meeting import floating, meeting_findings, meetings, mode_pairs
-from femstruct.workflow.stages.modal_bases import solve_all
+from femstruct.sound.surfaces import pressure_per_force
+from femstruct.study.placed_rooms import placed_room
+from femstruct.workflow.bases import solve_all
+from femstruct.workflow.rated_rooms import floating, meeting_findings, meetings, mode_pairs
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}, screed: {E: 25 GPa, nu: 0.2, rho: 2000}}

@@ -7,8 +7,7 @@ import pytest
 from scipy.linalg import eigh
 
 from femstruct.errors import InputError
-from femstruct.modal.analytic import beam, given_modes, oscillator, rod
-from femstruct.modal.beam_shapes import roots
+from femstruct.modal.closed_form import beam, given_modes, oscillator, rod, roots
 from femstruct.modal.damping import Damping, LossFactor, with_damping
 from femstruct.modal.frf import frf
 

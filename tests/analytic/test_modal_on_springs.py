@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure
 from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate

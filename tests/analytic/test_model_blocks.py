@@ -10,15 +10,14 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.facts import model_facts
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.refine import refined
-from femstruct.model.region import Region
-from femstruct.model.section import rectangle
+from femstruct.model.model import model_facts, refined
+from femstruct.model.regions import Region
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.block import Block
 from femstruct.parts.foundation import Foundation

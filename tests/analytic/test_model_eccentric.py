@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.statics import statics
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import i_section, rectangle
+from femstruct.model.sections import i_section, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.frame import Frame
 from femstruct.parts.mass import Mass

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import read_model
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import InputError, InputErrors
+from femstruct.language.models import read_model
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.facts import part_masses
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import Section
+from femstruct.model.model import part_masses
+from femstruct.model.sections import Section
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.block import Block
 from femstruct.parts.frame import Frame

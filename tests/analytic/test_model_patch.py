@@ -8,22 +8,20 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from femstruct.assembly.assemble import assemble
-from femstruct.assembly.matrices import Assembly
+from femstruct.assembly.matrices import Assembly, assemble
 from femstruct.errors import InputError
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
+from femstruct.impact.scene import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_model
+from femstruct.language.models import read_model
+from femstruct.laws.hertz import Hertz
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
 from femstruct.model.probe import Probe
-from femstruct.model.region import Pair
+from femstruct.model.regions import Pair
 from femstruct.model.structure import PlaceOn, Structure, Support
-from femstruct.parts.of_plates.patches import patch_turning
-from femstruct.parts.plate import Plate
+from femstruct.parts.plate import Plate, patch_turning
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 A, B, H = 0.5, 0.4, 3e-3

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq
 from scipy.sparse.linalg import spsolve
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure, Support, SurfaceOn
 from femstruct.parts.plate import Plate

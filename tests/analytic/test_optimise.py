@@ -9,21 +9,17 @@ import numpy as np
 import pytest
 
 from femstruct.campaign.designs import Designs
-from femstruct.campaign.journal import Row, opened
-from femstruct.campaign.kept_rows import write_optimum
-from femstruct.campaign.numbers import Number
-from femstruct.campaign.optimise import _searched, optimise
-from femstruct.campaign.searching import seen_before, set_aside
+from femstruct.campaign.optimise import _searched, optimise, seen_before, set_aside
+from femstruct.campaign.rows import Number, Row, opened, write_optimum
 from femstruct.campaign.tasks import Task, rows_of
 from femstruct.errors import InputError, InputErrors
-from femstruct.files.tables.optimum_tables import optimum_table, run_command
-from femstruct.language import read_study
-from femstruct.language.searches import read_search
-from femstruct.study.campaign.sought import Search
-from femstruct.study.campaign.swept import Swept
-from femstruct.study.campaign.varied import Listed, Scattered
-from femstruct.view.campaigns.optimum_table import optimum_pieces
-from femstruct.workflow.run.run import run_study
+from femstruct.files.campaign_tables import optimum_table, run_command
+from femstruct.language.campaigns import read_search
+from femstruct.language.cases import read_study
+from femstruct.study.campaigns import Listed, Scattered, Swept
+from femstruct.study.optima import Search
+from femstruct.view.campaign_answers import optimum_pieces
+from femstruct.workflow.run import run_study
 
 DATA = Path(__file__).parents[1] / "data"
 X, Y = Scattered("x", "uniform", -2.0, 2.0, "m"), Scattered("y", "uniform", -2.0, 2.0, "m")
@@ -376,9 +372,9 @@ def test_a_design_that_cannot_be_read_is_named_as_such(study: Path, tmp_path: Pa
 def test_rows_of_another_version_are_set_aside(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     search = read_search(study, "maximise m.z velocity", ["bodies.ball.mass=1 kg,2 kg"])
     optimise(search, tmp_path, workers=1)
-    monkeypatch.setattr("femstruct.campaign.searching.version_of", lambda name: {name: "another"})
+    monkeypatch.setattr("femstruct.campaign.optimise.version_of", lambda name: {name: "another"})
     assert set_aside(search, tmp_path) is None  # one goal takes no pymoo
-    monkeypatch.setattr("femstruct.workflow.run.provenance._versions", lambda: {"scipy_version": "another"})
+    monkeypatch.setattr("femstruct.workflow.provenance._versions", lambda: {"scipy_version": "another"})
     assert set_aside(search, tmp_path) == tmp_path / "optimise.1.rows"
 
 

@@ -7,21 +7,19 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from femstruct.campaign.designs import campaigns_of
 from femstruct.campaign.front_search import pareto_front
-from femstruct.campaign.kept_rows import write_optimum
-from femstruct.campaign.optimise import optimise
-from femstruct.campaign.searching import set_aside
-from femstruct.campaign.tried import campaigns_of
+from femstruct.campaign.optimise import optimise, set_aside
+from femstruct.campaign.rows import write_optimum
 from femstruct.cli import app
 from femstruct.exits import NOT_TRUSTED
-from femstruct.files.tables.optimum_tables import optimum_table
-from femstruct.language import read_study
-from femstruct.language.searches import read_search
-from femstruct.study.campaign.front import Front
-from femstruct.study.campaign.sought import Found
-from femstruct.view.campaigns.campaign_page import answer_pieces
-from femstruct.view.campaigns.optimum_figure import optimum_figure
-from femstruct.workflow.run.run import run_study
+from femstruct.files.campaign_tables import optimum_table
+from femstruct.language.campaigns import read_search
+from femstruct.language.cases import read_study
+from femstruct.study.optima import Found, Front
+from femstruct.view.campaign_figures import optimum_figure
+from femstruct.view.campaign_page import answer_pieces
+from femstruct.workflow.run import run_study
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 HIT = """

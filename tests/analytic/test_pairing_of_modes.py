@@ -5,12 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from femstruct import Material, Plate, Structure, Support, assemble, mesh_structure, modal_basis
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError, InputError
-from femstruct.modal.analytic import given_modes
+from femstruct.modal.closed_form import given_modes
 from femstruct.modal.damping import Damping, ModeDamping, Ratio, carry_damping
 from femstruct.modal.likeness import mac, mac_of, near_equal, pairing, pairing_of
-from femstruct.workflow.compare.compare import mode_table
+from femstruct.modal.reduction import modal_basis
+from femstruct.model.materials import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.structure import Structure, Support
+from femstruct.parts.plate import Plate
+from femstruct.workflow.compare import mode_table
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 ROUNDING = 1e-9  # of the eigenvectors, squared, and of sums of a hundred products

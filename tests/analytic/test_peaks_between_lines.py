@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from femstruct.arrays import Floats
-from femstruct.modal.analytic import given_modes, oscillator
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes, oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.modal.frf import frf
-from femstruct.modal.steady.between_lines import MISSED, Highest, Respond, highest, missed_peak
+from femstruct.modal.steady import MISSED, Highest, Respond, highest, missed_peak
 from femstruct.study.asked import FrfRequest, Spot
-from femstruct.study.result import Frf
+from femstruct.study.results import Frf
 
 
 def found(respond: Respond, basis: ModalBasis, lines: Floats) -> Highest:

@@ -12,17 +12,16 @@ import scipy
 from typer.testing import CliRunner
 
 from femstruct.cli import app
-from femstruct.impact.closer import closer
-from femstruct.impact.scene.bodies import Clock, Scene
+from femstruct.impact.resampled import closer
+from femstruct.impact.scene import Clock, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_study
-from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.language.cases import read_study
+from femstruct.modal.closed_form import given_modes, oscillator
 from femstruct.study.asked import PeakRule
 from femstruct.study.recorded import Channel
-from femstruct.study.result import CaseResult
-from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.recorded.peaks import converged, cut_off_findings
-from femstruct.workflow.stages.recorded.windowed_peaks import Peaks, between, in_band
+from femstruct.study.results import CaseResult
+from femstruct.workflow.channels import Peaks, between, converged, cut_off_findings, in_band
+from femstruct.workflow.run import run_study
 
 LOW = 0.995  # two of 32 samples a period beside the top of a sine: 1 - (pi / 32)^2 / 2
 SWEEP = [500.0, 900.0, 1e3, 1.7e3, 2e3, 3.3e3, 5e3, 12e3, 31e3, 48e3]
@@ -174,7 +173,7 @@ def test_sound_from_too_few_samples_is_forbidden_before_it_is_computed() -> None
 def test_peaks_that_do_not_fit_into_memory_are_blank_and_their_limits_not_known(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("femstruct.impact.closer.MOST_STATES", 200.0)
+    monkeypatch.setattr("femstruct.impact.resampled.MOST_STATES", 200.0)
     path = written(tmp_path, 1e3, TWO_MODES, more="limits: {hit.z velocity: 1 m/s}\n")
     for command in ("check", "run"):
         more = ["-o", str(tmp_path / "out"), "--no-pictures"] if command == "run" else []

@@ -5,10 +5,10 @@ import pytest
 from scipy.integrate import quad
 
 from femstruct.errors import InputError
-from femstruct.impact.batch.batch import Listener, simulate_batch
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Load, Scene
-from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.impact.batch import Listener, simulate_batch
+from femstruct.impact.scene import GROUND, Blows, Body, Clock, Contact, HalfSine, Load, Scene
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes, oscillator
 
 
 def moments_of(basis, scene, vary, sampling, duration):  # type: ignore[no-untyped-def]

@@ -10,7 +10,7 @@ import pytest
 import femstruct as fs
 from femstruct.errors import InputError
 from femstruct.study.asked import Extent
-from femstruct.workflow.exchange.reduced_model import reduce_model
+from femstruct.workflow.exchange import reduce_model
 
 SLAB = "{type: slab, material: steel, thickness: 3 mm, outline: [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]], mesh: 25 mm}"
 PLATE = "{type: plate, material: steel, thickness: 3 mm, origin: [0, 0, 0], size: [0.6, 0.4], mesh: 25 mm}"

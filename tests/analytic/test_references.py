@@ -9,12 +9,12 @@ import pytest
 from femstruct.campaign.forecast import planned_search
 from femstruct.campaign.optimise import optimise
 from femstruct.errors import InputError
-from femstruct.files.tables.optimum_tables import optimum_table
-from femstruct.language.searches import read_search
-from femstruct.study.campaign.sought import Found
-from femstruct.view.campaigns.optimum_figure import optimum_figure
-from femstruct.view.campaigns.optimum_table import optimum_pieces
-from femstruct.view.tables.grid import Grid
+from femstruct.files.campaign_tables import optimum_table
+from femstruct.language.campaigns import read_search
+from femstruct.study.optima import Found
+from femstruct.view.campaign_answers import optimum_pieces
+from femstruct.view.campaign_figures import optimum_figure
+from femstruct.view.console import Grid
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 HIT = """

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from femstruct import StudyResult, read_study, run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 STUDY = Path(__file__).parents[2] / "models" / "conventional_remedies.study.yaml"
 SHOCK, PULSE = 2e3, 10e-3  # [N], [s]

@@ -15,20 +15,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
-from femstruct.model.region import Region
-from femstruct.model.section import rectangle
+from femstruct.model.regions import Region
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, Structure, Support
-from femstruct.parts.findings.eccentric import RibError, eccentric_findings, rib_errors
-from femstruct.parts.findings.folded import folded_findings, in_plane_limit
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
-from femstruct.parts.of_plates.plate_mesh import PlateMesh
-from femstruct.parts.plate import Plate
+from femstruct.parts.plate import Plate, PlateMesh
+from femstruct.parts.ribs import RibError, eccentric_findings, rib_errors
+from femstruct.parts.waves import folded_findings, in_plane_limit
 
 rigid = partial(Plate, in_plane="rigid")
 ROUNDING = 1e-12  # rounding: 4e-15 here at most

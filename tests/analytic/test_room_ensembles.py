@@ -15,13 +15,12 @@ import pytest
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.fields.rectangular import Room
-from acoustics.levels.ensemble import Ensemble, interval
-from acoustics.levels.line_levels import exposures, largest_fast
-from acoustics.levels.methods import method_of
-from acoustics.levels.rated import RatedRoom, rate_room
-from femstruct.language import read_study
-from femstruct.view.tables.rated_table import _over_rooms
-from femstruct.workflow.run.run import run_study
+from acoustics.levels.rated import Ensemble, RatedRoom, interval, rate_room
+from acoustics.levels.sound_levels import exposures, largest_fast
+from acoustics.levels.standards import method_of
+from femstruct.language.cases import read_study
+from femstruct.view.answer_tables import _over_rooms
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
@@ -214,7 +213,7 @@ def test_intervals_against_many_ensembles(
 
 def test_a_room_that_is_the_mean_is_the_simulation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Sides as given, microphones where they are: the spectra give what the histories give."""
-    from femstruct.workflow.continuation import room_ensembles as module
+    from femstruct.workflow import rated_floors as module
 
     mics = np.array([[1.0, 1.0, 1.2], [4.0, 1.0, 1.2]])
     monkeypatch.setattr(module, "SETS", 1)

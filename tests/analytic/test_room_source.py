@@ -9,30 +9,32 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from acoustics import Air, Receiver, SurfaceShapes, losses_from_beta, losses_from_t60, losses_from_t60_bands
+from acoustics.air import Air
 from acoustics.errors import AcousticsError
 from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.rectangular import Room
 from acoustics.fields.shaped import ShapedRoom
-from acoustics.losses import Losses
+from acoustics.losses import Losses, losses_from_beta, losses_from_t60, losses_from_t60_bands
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.meshed.walls import YieldingWall, absorbing
+from acoustics.receivers import Receiver
 from acoustics.rooms.box import room_modes
-from acoustics.rooms.box_two_way import Leak
-from acoustics.rooms.by_wall.wall_loads import wall_loads
-from femstruct import assemble, modal_basis, read_model
+from acoustics.rooms.box_coupling import Leak
+from acoustics.rooms.box_walls import wall_loads
+from acoustics.source import SurfaceShapes
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
-from femstruct.language import read_study
-from femstruct.modal.analytic import oscillator
+from femstruct.files.results_file import read_results, write_results
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model
+from femstruct.modal.closed_form import oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping
+from femstruct.modal.reduction import modal_basis
 from femstruct.model.probe import Surface
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.placed import placed
-from femstruct.sound.room_source import velocity_per_source
-from femstruct.sound.surface import pressure_per_force
-from femstruct.sound.two_way import with_cavity
-from femstruct.workflow.run.run import run_study, without_rooms
+from femstruct.sound.surfaces import pressure_per_force, velocity_per_source
+from femstruct.workflow.run import run_study, without_rooms
 
 AIR, SIZE = Air(343.0, 1.21), np.array([4.0, 3.0, 4.0])
 HZ = np.array([12.0, 31.0, 42.9, 57.0, 63.0, 85.0, 110.0])

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 import femstruct as fs
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import InputError
-from femstruct.model.equations.seam import mortar
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
+from femstruct.model.seams import mortar
 
 LIMP = fs.Material("limp", E=1e9, nu=0.0, rho=1000.0)
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)

@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 import femstruct as fs
-from femstruct.elements.solid_shapes import reference_nodes, shapes
+from femstruct.elements.solid import reference_nodes, shapes
 from femstruct.errors import InputError
-from femstruct.model.equations.face_mortar import Faces, across_faces
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
+from femstruct.model.seams import Faces, across_faces
 
 Array = NDArray[np.float64]
 STUFF = fs.Material("stuff", E=1e9, nu=0.3, rho=1000.0)

@@ -13,23 +13,26 @@ import pytest
 from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
-from femstruct.assembly.assemble import assemble
-from femstruct.assembly.matrices import Assembly
-from femstruct.language import read_model_file
-from femstruct.modal.analytic import oscillator
+from femstruct.assembly.matrices import Assembly, assemble
+from femstruct.language.models import read_model_file
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import oscillator
 from femstruct.modal.damping import Damping, LossFactor, with_damping
 from femstruct.modal.frf import FrfKind, frf
 from femstruct.modal.likeness import near_equal
 from femstruct.modal.reduction import modal_basis
-from femstruct.modal.sensitivity.matrix_slopes import BACKWARD, CENTRED, FORWARD, MatrixSlopes, matrix_slopes
-from femstruct.modal.sensitivity.modal_slopes import (
+from femstruct.modal.sensitivity import (
+    BACKWARD,
+    CENTRED,
+    FORWARD,
     ORDERS,
+    MatrixSlopes,
     ModalSlopes,
     damping_slopes,
     eigenvalue_slopes,
     free_shapes,
     frf_slopes,
+    matrix_slopes,
     modal_slopes,
     motions,
     shape_slopes,

@@ -9,25 +9,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics import Air, Receiver, SurfaceVibration, losses_from_t60
+from acoustics.air import Air
 from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.rectangular import Room
 from acoustics.fields.shaped import ShapedRoom
 from acoustics.fields.sound_field import SoundField
+from acoustics.losses import losses_from_t60
 from acoustics.meshed.cavity_mesh import box_mesh
-from acoustics.rooms.box_two_way import Leak
-from femstruct import assemble, modal_basis, read_model
+from acoustics.receivers import Receiver
+from acoustics.rooms.box_coupling import Leak
+from acoustics.source import SurfaceVibration
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError, InputError, InputErrors
-from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
+from femstruct.impact.scene import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.language import read_study
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model
 from femstruct.modal.damping import Damping, Ratio, with_damping
+from femstruct.modal.reduction import modal_basis
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.placed import placed
-from femstruct.sound.power import power_per_force
-from femstruct.sound.surface import air_stiffness, coupling_findings, pressure_per_force, surface_velocity
-from femstruct.sound.two_way import with_cavity
+from femstruct.sound.radiated_power import power_per_force
+from femstruct.sound.surfaces import air_stiffness, coupling_findings, pressure_per_force, surface_velocity
 from femstruct.study.asked import RoomPlan
-from femstruct.workflow.run.run import run_study
+from femstruct.workflow.run import run_study
 
 SIZE = np.array([1.2, 0.9, 0.7])
 AIR = Air(340.0, 1.2)

@@ -10,12 +10,12 @@ import pytest
 from scipy.optimize import brentq
 
 import femstruct as fs
-from femstruct.language import read_model_file
-from femstruct.model.material import Material
-from femstruct.model.materials.lay_up import section_of
+from femstruct.language.models import read_model_file
+from femstruct.model.lay_ups import section_of
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
-from femstruct.parts.findings.waves import SLENDER, bending_wavelength, cell_for, mesh_findings, with_shear
+from femstruct.parts.waves import SLENDER, bending_wavelength, cell_for, mesh_findings, with_shear
 
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
 MODEL = """

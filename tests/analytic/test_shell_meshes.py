@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 import femstruct as fs
 from femstruct.elements.stresses import von_mises
 from femstruct.errors import InputError
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported_mesh import ImportedMesh
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 T = 3e-3
@@ -177,7 +177,7 @@ def test_a_shell_is_joined_to_a_plate_of_its_own_grid() -> None:
 
 
 def test_thicknesses_by_set_and_those_that_the_file_states() -> None:
-    from femstruct.model.imported.imported_mesh import Stated, StatedProperty
+    from femstruct.model.imported_mesh import Stated, StatedProperty
 
     mesh = sheet(4, 2, 0.4, 0.2)
     sets = {"left": {"quad4": np.arange(4)}, "right": {"quad4": np.arange(4, 8)}}
@@ -237,7 +237,7 @@ def test_points_and_surfaces_follow_a_rigid_motion() -> None:
 
 def test_cells_that_are_too_long_for_a_frequency_are_found_and_those_that_are_not_are_right() -> None:
     """Eight cells a wave of a plate that bends along one direction: 2.6 % too high, and no finding from there on."""
-    from femstruct.parts.findings.waves import carried_hz, mesh_findings
+    from femstruct.parts.waves import carried_hz, mesh_findings
 
     mesh = sheet(8, 1, 0.5, 0.0625)
     model = fs.mesh_structure(fs.Structure("a", (fs.Shell("part", mesh, STEEL, T),)))

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 
 import femstruct as fs
 from femstruct.elements.stresses import von_mises
-from femstruct.model.imported.imported_mesh import ImportedMesh
+from femstruct.model.imported_mesh import ImportedMesh
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

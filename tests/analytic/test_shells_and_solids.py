@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.section import rectangle
+from femstruct.model.imported_mesh import ImportedMesh
+from femstruct.model.sections import rectangle
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 SOLID = {

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from femstruct import read_results, read_study, run_study, write_results
 from femstruct.errors import InputError, InputErrors
-from femstruct.files.tables.study_tables import summary
-from femstruct.impact.evaluations.shock import ShockRequest, shock_spectrum
+from femstruct.evaluations.shock import ShockRequest, shock_spectrum
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 SAMPLING = 50e3
 

@@ -10,7 +10,7 @@ import pytest
 import femstruct as fs
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.models import read_model
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 
 CONCRETE = fs.Material("concrete", E=30e9, nu=0.2, rho=2400.0)
 T = 0.2

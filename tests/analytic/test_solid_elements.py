@@ -5,7 +5,9 @@ import pytest
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import eigsh, splu
 
-from femstruct.elements import elasticity, solid, solid_shapes
+from femstruct.elements import solid
+from femstruct.elements import solid as elasticity
+from femstruct.elements import solid as solid_shapes
 from femstruct.errors import InputError
 
 STEEL = elasticity.isotropic(200e9, 0.3)

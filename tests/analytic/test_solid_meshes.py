@@ -7,11 +7,11 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 import femstruct as fs
-from femstruct.elements import solid_shapes
+from femstruct.elements import solid
 from femstruct.errors import InputError
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.section import rectangle
-from femstruct.parts.findings.waves import carried_hz, mesh_findings
+from femstruct.model.imported_mesh import ImportedMesh
+from femstruct.model.sections import rectangle
+from femstruct.parts.waves import carried_hz, mesh_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 FLAT = fs.Material("flat", E=210e9, nu=0.0, rho=7850.0)
@@ -22,10 +22,10 @@ def block(kind: str, counts: tuple[int, int, int], size: tuple[float, float, flo
     """A box of hexahedra with sets of nodes on its left and right end, and of faces (corners alone) on its top."""
     axes = [np.arange(n) for n in counts]
     first = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    places = first[:, None] + solid_shapes.reference_nodes(kind)
+    places = first[:, None] + solid.reference_nodes(kind)
     whole, cells = np.unique(np.rint(2 * places.reshape(-1, 3)).astype(int), axis=0, return_inverse=True)
     shares = whole / 2.0 / counts
-    cells = cells.reshape(-1, solid_shapes.node_count(kind))
+    cells = cells.reshape(-1, solid.node_count(kind))
     sets = {name: np.flatnonzero(shares[:, axis] == side) for name, (axis, side) in FACES.items() if name != "top"}
     tops = cells[np.isin(cells[:, 4:8], np.flatnonzero(shares[:, 2] == 1.0)).all(axis=1)][:, 4:8]
     numbers = np.arange(1, len(cells) + 1)

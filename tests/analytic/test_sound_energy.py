@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.special import j1
 
-from acoustics import Air, Receiver, SurfaceVelocity
+from acoustics.air import Air
 from acoustics.fields.half_space import HalfSpace
-from acoustics.open_air.directivity import radiation_pattern
-from acoustics.open_air.radiated_power import far_field, radiated_power, radiation_efficiency
+from acoustics.levels.sound_energy import REFERENCE_J, ended_energy, radiated_energy
+from acoustics.open_air.power import far_field, radiated_power, radiation_efficiency, radiation_pattern
 from acoustics.open_air.rayleigh import field_pressures
-from acoustics.open_air.sound_energy import REFERENCE_J, ended_energy, radiated_energy
+from acoustics.receivers import Receiver
+from acoustics.source import SurfaceVelocity
 
 ROUNDING = 1e-11  # rounding: 1e-14 here at most
 
@@ -43,7 +44,7 @@ def pulse(t: np.ndarray, length: float) -> np.ndarray:
 
 @pytest.mark.parametrize(("size", "top"), [((0.6, 0.4), 3000.0), ((5.0, 0.02), 800.0), ((0.0, 0.0), 500.0)])
 def test_few_sources_radiate_as_all_points_do(size: tuple[float, float], top: float) -> None:
-    """Power of any motion by `acoustics.open_air.sheet` against the sum over all points in every direction, turned in
+    """Power of any motion by `acoustics.open_air.power` against the sum over all points in every direction, turned in
     space."""
     rng = np.random.default_rng(5)
     points = (rng.random((60, 2)) - 0.5) * size

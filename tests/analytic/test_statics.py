@@ -11,11 +11,11 @@ import pytest
 import femstruct as fs
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputError
-from femstruct.files.inputs.matrices_input import read_component
-from femstruct.model.section import rectangle, tube
-from femstruct.workflow.check.at_rest import at_rest as table_at_rest
-from femstruct.workflow.stages.recorded.stresses import stress_at_rest, stress_findings
-from femstruct.workflow.stages.sags import sags
+from femstruct.files.matrices_input import read_component
+from femstruct.model.sections import rectangle, tube
+from femstruct.workflow.bases import sags
+from femstruct.workflow.channels import stress_at_rest, stress_findings
+from femstruct.workflow.model_answers import at_rest as table_at_rest
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

@@ -11,23 +11,23 @@ from scipy.integrate import solve_ivp
 from scipy.signal import sosfilt
 
 from acoustics.errors import AcousticsError
-from acoustics.levels.bands import band_filter, third_octave_bands
-from acoustics.levels.filters import band_response
-from acoustics.losses import Losses, losses_from_t60
-from acoustics.statistical.energies import (
+from acoustics.levels.bands import band_filter, band_response, third_octave_bands
+from acoustics.levels.statistical import (
     DiffuseRoom,
     RadiatingPlate,
+    StatisticalBands,
+    agreement,
     band_exposures,
+    isotropic_plate,
     largest_levels,
     steady_levels,
 )
-from acoustics.statistical.infinite_plate import isotropic_plate
-from acoustics.statistical.statistical_bands import StatisticalBands, agreement
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.impact_sources import RUBBER_BALL
-from femstruct.language import read_study
-from femstruct.workflow.continuation.blow_forces import blow
-from femstruct.workflow.run.run import run_study
+from acoustics.losses import Losses, losses_from_t60
+from femstruct.impact.scene import RUBBER_BALL
+from femstruct.language.cases import read_study
+from femstruct.laws.linear import Linear
+from femstruct.workflow.rated_floors import blow
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 BALL = dict(  # force exposure of the ball on a rigid floor [dB re 1 N^2 s], study of levels

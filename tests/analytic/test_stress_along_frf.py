@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct import read_model
 from femstruct.elements.stresses import von_mises_in_a_cycle
 from femstruct.errors import InputError
-from femstruct.view.tables.structure_tables import show_frf
-from femstruct.workflow.check.asked_response import frf_of
-from femstruct.workflow.exchange.asked_responses import frfs_of
+from femstruct.language.models import read_model
+from femstruct.view.structure_tables import show_frf
+from femstruct.workflow.exchange import frfs_of
+from femstruct.workflow.model_answers import frf_of
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}

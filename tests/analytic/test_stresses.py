@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from femstruct import Frame, Material, PlaceOn, Plate, Structure, Support, SurfaceOn, assemble, mesh_structure
+from femstruct.assembly.matrices import assemble
 from femstruct.elements.stresses import principal, von_mises
 from femstruct.errors import InputError
-from femstruct.model.section import Section, box, circle, i_section, rectangle, tube
+from femstruct.model.materials import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.sections import Section, box, circle, i_section, rectangle, tube
+from femstruct.model.structure import PlaceOn, Structure, Support, SurfaceOn
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

@@ -9,12 +9,11 @@ import pytest
 
 import femstruct as fs
 from femstruct.errors import InputErrors
-from femstruct.files.exchange.matrices_file import nodal
-from femstruct.files.inputs.matrices_input import read_component
-from femstruct.model.imported.component import rigid_masses, rigid_resistance
+from femstruct.files.matrices_file import nodal
+from femstruct.files.matrices_input import read_component
+from femstruct.model.component import rigid_masses, rigid_resistance
 from femstruct.study.asked import Extent
-from femstruct.workflow.exchange.exported import exported
-from femstruct.workflow.exchange.reduced_model import reduce_model
+from femstruct.workflow.exchange import exported, reduce_model
 
 MATERIAL = "materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400, loss_factor: 1 %}}\n"
 LEFT = "{type: plate, material: concrete, thickness: 180 mm, origin: [0, 0, 0], size: [3, 4], mesh: [12, 16]}"

@@ -14,8 +14,8 @@ import pytest
 
 from acoustics.levels.rated import RatedRoom
 from femstruct.arrays import Floats
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 C, RHO = 343.0, 1.21  # of air

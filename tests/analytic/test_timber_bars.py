@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 
 SPRUCE = fs.Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6, 350e6), nu=0.35, rho=420.0)
 LENGTH, WIDTH, HEIGHT = 2.0, 0.08, 0.24

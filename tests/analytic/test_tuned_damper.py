@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.campaign.numbers import numbers_of
 from femstruct.campaign.optimise import optimise
-from femstruct.language import read_study
-from femstruct.language.searches import read_search
-from femstruct.workflow.run.run import run_study
+from femstruct.campaign.rows import numbers_of
+from femstruct.language.campaigns import read_search
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 MASS, STIFFNESS, RATIO = 20.0, 20e3, 0.05
 MODEL = """

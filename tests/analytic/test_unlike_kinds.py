@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 import femstruct as fs
 from femstruct.model.model import Model
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 
 Array = NDArray[np.float64]
 WOOD = fs.Material("wood", E=11e9, nu=0.3, rho=450.0)

@@ -12,20 +12,22 @@ from scipy.integrate import quad
 from scipy.linalg import solve_continuous_lyapunov
 
 import femstruct as fs
-from femstruct import read_results, read_study, run_study, write_results
 from femstruct.conventions import GRAVITY
 from femstruct.elements.stresses import von_mises, von_mises_in_a_cycle
 from femstruct.errors import InputError, InputErrors
-from femstruct.files.tables.sheets import sheets
-from femstruct.files.tables.study_tables import summary
-from femstruct.modal.analytic import given_modes
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.sheets import sheets
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.modal.closed_form import given_modes
 from femstruct.modal.damping import Damping, LossFactor, Ratio
-from femstruct.modal.steady.answers import random_answer
-from femstruct.model.section import rectangle
-from femstruct.view.figures.plots import figures
-from femstruct.view.tables import answer_tables
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.stages.vibrations import refuse_undamped
+from femstruct.modal.steady import random_answer
+from femstruct.model.sections import rectangle
+from femstruct.view import answer_tables
+from femstruct.view.plots import figures
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.responses import refuse_undamped
+from femstruct.workflow.run import run_study
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 OSCILLATOR = "structure: {type: oscillator, mass: 2 kg, frequency: 40 Hz}\npoints: {m: {}}\ndamping: {ratio: 2 %}\n"

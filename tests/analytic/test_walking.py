@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.impact.scene.walking import Walk, design_harmonics
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult
-from femstruct.workflow.run.run import run_study
+from femstruct.impact.scene import Walk, design_harmonics
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.workflow.run import run_study
 
 ROUNDING = 1e-13  # rounding: 1e-15 here at most
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import Air, Receiver, SurfaceShapes, SurfaceVelocity, SurfaceVibration
+from acoustics.air import Air
 from acoustics.errors import AcousticsError
 from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.rectangular import Room
@@ -14,8 +14,9 @@ from acoustics.fields.shaped import ShapedRoom
 from acoustics.fields.sound_field import SoundField
 from acoustics.losses import Losses
 from acoustics.meshed.cavity_mesh import box_mesh
-from acoustics.rooms.by_wall.box_walls import WALLS, Turn
-from acoustics.source import together
+from acoustics.receivers import Receiver
+from acoustics.rooms.box_walls import WALLS, Turn
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, together
 
 AIR = Air(343.26, 1.204)
 GAMMA = 13.82

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.impact.result.averaged import mean_acceleration
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult, StudyResult
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.recorded.windowed_peaks import in_band
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.impact.resampled import mean_acceleration
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult, StudyResult
+from femstruct.view.terminal import show_study
+from femstruct.workflow.channels import in_band
+from femstruct.workflow.run import run_study
 
 ROD = """
 structure: {type: rod, length: 2 m, E: 200 GPa, rho: 7850, area: 314.16 mm2, modes: MODES}

@@ -15,31 +15,25 @@ import pytest
 from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
-from acoustics import (
-    AcousticsError,
-    Air,
-    Losses,
-    Receiver,
-    ShapedRoom,
-    SurfaceVelocity,
-    Wall,
-    YieldingWall,
-    box_mesh,
-    losses_from_beta,
-    losses_from_t60,
-)
+from acoustics.air import Air
+from acoustics.errors import AcousticsError
+from acoustics.fields.shaped import ShapedRoom
+from acoustics.losses import Losses, losses_from_beta, losses_from_t60
+from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.meshed.meshed_pressure import cavity_pressure
-from acoustics.rooms.box_two_way import Leak
-from acoustics.source import SurfaceVibration
-from femstruct.impact.scene.bodies import Clock, HalfSine, Load, Scene
+from acoustics.meshed.walls import Wall, YieldingWall
+from acoustics.receivers import Receiver
+from acoustics.rooms.box_coupling import Leak
+from acoustics.source import SurfaceVelocity, SurfaceVibration
+from femstruct.impact.scene import Clock, HalfSine, Load, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import oscillator
+from femstruct.modal.closed_form import oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.modal.frf import frf
 from femstruct.model.probe import Surface
+from femstruct.sound.coupling import with_cavity
 from femstruct.sound.placed import placed
-from femstruct.sound.surface import pressure_per_force, surface_velocity
-from femstruct.sound.two_way import with_cavity
+from femstruct.sound.surfaces import pressure_per_force, surface_velocity
 
 AIR = Air(343.0, 1.21)
 LAWS = {

@@ -10,22 +10,20 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
-from femstruct.assembly.assemble import assemble
-from femstruct.assembly.matrices import Assembly
+from femstruct.assembly.matrices import Assembly, assemble
 from femstruct.errors import SingularSystem
-from femstruct.model.facts import model_facts
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.refine import refined
-from femstruct.model.region import Region
-from femstruct.model.section import rectangle
+from femstruct.model.model import model_facts, refined
+from femstruct.model.regions import Region
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
-from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
 from femstruct.parts.spring import Spring
+from femstruct.parts.waves import model_findings
 
 ROUNDING = 1e-13  # rounding: 9e-16 here at most
 

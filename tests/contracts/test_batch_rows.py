@@ -7,17 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.campaign.batch.batch_rows import BY_BATCH, BY_HISTORY, BatchTask, _of_batch, batch_tasks
-from femstruct.campaign.batch.batch_stage import stage_of
+from femstruct.campaign.batch_rows import BY_BATCH, BY_HISTORY, BatchTask, _of_batch, batch_tasks, stage_of
 from femstruct.campaign.forecast import planned
-from femstruct.campaign.kept_rows import write_rows
-from femstruct.campaign.samples import samples_of
+from femstruct.campaign.rows import write_rows
 from femstruct.campaign.sweep import set_aside, sweep
+from femstruct.campaign.tasks import samples_of
 from femstruct.errors import InputError, InputErrors
-from femstruct.files.results_file.swept_file import read_swept
+from femstruct.files.campaign_files import read_swept
 from femstruct.language.campaigns import read_campaign
-from femstruct.study.campaign.held_limits import held_limits
-from femstruct.study.campaign.varied import Campaign
+from femstruct.study.campaigns import Campaign, held_limits
 
 MODEL = """
 structure: {type: modes, frequency: [40 Hz, 130 Hz], points: {m: {shape: [0.3, 0.2]}}}
@@ -233,7 +231,7 @@ def test_a_plan_says_how_rows_are_made(study: Path) -> None:
 
 
 def test_batch_rows_are_kept_by_tasks(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("femstruct.campaign.batch.batch_rows.AT_ONCE", 6)
+    monkeypatch.setattr("femstruct.campaign.batch_rows.AT_ONCE", 6)
     campaign, folder = read_campaign(study, only=ALL), tmp_path / "rows"
     whole = sweep(campaign, workers=1)
 

@@ -5,30 +5,21 @@ import pytest
 from scipy.linalg import eig
 from scipy.sparse import csc_array
 
-from femstruct import (
-    Damping,
-    Frame,
-    FromMaterials,
-    LossFactor,
-    Material,
-    PlaceOn,
-    Plate,
-    Ratio,
-    Rayleigh,
-    Spring,
-    Structure,
-    Support,
-    assemble,
-    given_matrices,
-    mesh_structure,
-    modal_basis,
-    with_damping,
-)
+from femstruct.assembly.given_matrices import given_matrices
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import InputError, InputErrors
 from femstruct.modal.complex_modes import complex_modes
-from femstruct.model.section import i_section
+from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
+from femstruct.modal.reduction import modal_basis
+from femstruct.model.materials import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.sections import i_section
+from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.frame import Frame
+from femstruct.parts.plate import Plate
+from femstruct.parts.spring import Spring
 from femstruct.study.asked import Extent
-from femstruct.workflow.check.asked_modes import complex_modes_of, modes_of
+from femstruct.workflow.modes import complex_modes_of, modes_of
 
 RUBBER = Material("rubber", E=2e9, nu=0.4, rho=1200.0, loss_factor=0.3)
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0, loss_factor=0.01)

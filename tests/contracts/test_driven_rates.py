@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from femstruct.modal.analytic import given_modes
 from femstruct.modal.basis import ModalBasis
-from femstruct.workflow.continuation import blow_motions
-from femstruct.workflow.continuation.blow_motions import coupled, driven_rates
+from femstruct.modal.closed_form import given_modes
+from femstruct.workflow import rated_floors as blow_motions
+from femstruct.workflow.rated_floors import coupled, driven_rates
 
 RNG = np.random.default_rng(7)
 K, PLACES = 24, 5

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from femstruct.elements import frame, placement, plate
-from femstruct.elements.quadrature import gauss_interval
+from femstruct.elements import frame, members, plate
+from femstruct.elements.polynomials import gauss_interval
 
 ROUNDING = 1e-13  # rounding: 5e-16 here at most
 
@@ -205,11 +205,11 @@ def test_numbering_of_the_nodes_changes_no_frequency(kind, plate_grid):
 @pytest.mark.parametrize("kind", frame.KINDS)
 class TestFrame:
     def test_symmetry_is_exact(self, kind):
-        R = placement.directions([[0, 0, 0]], [[0.3, 0.2, 0.6]])
+        R = members.directions([[0, 0, 0]], [[0.3, 0.2, 0.6]])
         for matrix in (frame_stiffness(kind), frame_mass(kind)):
             assert np.array_equal(matrix, matrix.T)
             arms = [[[0.1, 0, 0.2]], [[0, 0.3, 0]], [[0.05, 0.15, 0.1]]][: frame.nodes_per_bar(kind)]
-            turned = placement.with_offsets(placement.to_global(matrix[None], R), *arms)[0]
+            turned = members.with_offsets(members.to_global(matrix[None], R), *arms)[0]
             assert np.array_equal(turned, turned.T)
 
     def test_six_zero_energy_modes_and_no_more(self, kind):
@@ -259,7 +259,7 @@ class TestFrame:
         quarter = np.array([[[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]])
         swapped = {"Iy": FRAME["Iz"], "Iz": FRAME["Iy"], "ky": FRAME["kz"], "kz": FRAME["ky"]}
         for of in (frame_stiffness, frame_mass):
-            turned = placement.to_global(of(kind, **swapped)[None], quarter)[0]
+            turned = members.to_global(of(kind, **swapped)[None], quarter)[0]
             # rounding: none here
             np.testing.assert_allclose(turned, of(kind), rtol=0, atol=1e-14 * np.abs(turned).max())
 

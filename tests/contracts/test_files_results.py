@@ -15,25 +15,25 @@ import pytest
 import xarray
 from scipy.sparse import csr_array
 
-from acoustics import AcousticsError, Room, losses_from_t60, rate_room
-from acoustics.levels.methods import STANDARDS, method_of
+from acoustics.errors import AcousticsError
+from acoustics.fields.rectangular import Room
+from acoustics.levels.rated import rate_room
+from acoustics.levels.standards import STANDARDS, method_of
+from acoustics.losses import losses_from_t60
 from femstruct.conventions import COMPONENTS
 from femstruct.errors import FemstructError, InputError
-from femstruct.files.results_file import nouns
-from femstruct.files.results_file.datasets import key
-from femstruct.files.results_file.nouns import restored, stored
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.seal import LENGTH, seal
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.results_file.tagged import kinds_by_tag
-from femstruct.files.results_file.unread import NotKept, without_unread
-from femstruct.files.tables.study_tables import summary
-from femstruct.impact.engine.motion import Motion
-from femstruct.language import read_study
+from femstruct.files import stored_values
+from femstruct.files import stored_values as kinds_by_tag
+from femstruct.files.datasets import LENGTH, key, seal
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.stored_values import NotKept, restored, stored, without_unread
+from femstruct.files.study_tables import summary
+from femstruct.impact.motion import Motion
+from femstruct.language.cases import read_study
 from femstruct.modal.basis import ForceRow
 from femstruct.model.probe import Probe
-from femstruct.view.report import report
-from femstruct.workflow.run.run import run_study
+from femstruct.view.page import report
+from femstruct.workflow.run import run_study
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 
@@ -171,10 +171,10 @@ def test_nouns_of_a_package_that_adds_some_are_read(result, tmp_path, monkeypatc
 
 def test_a_field_that_an_older_file_lacks_has_its_default():
     """Files are read that were written before a noun had a field: its default is made as when the noun is made."""
-    tables = nouns.stored(ForceRow(np.array([1.0]), np.array([2.0]), np.array([3.0])), keep=lambda array: None)
+    tables = stored_values.stored(ForceRow(np.array([1.0]), np.array([2.0]), np.array([3.0])), keep=lambda array: None)
     for one in tables.nouns:
         one.pop("carried", None)
-    made = nouns.restored(tables, fetch=lambda place: None)
+    made = stored_values.restored(tables, fetch=lambda place: None)
     np.testing.assert_array_equal(made.carried, np.zeros(3))
     np.testing.assert_array_equal(made.damping, [2.0])
 

@@ -13,7 +13,7 @@ from femstruct.conventions import N_COMPONENTS, UX, UY
 from femstruct.errors import FemstructError
 from femstruct.modal.frf import direct_frf
 from femstruct.model.probe import Probe
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0, loss_factor=0.01)
 POST = fs.Frame("post", STEEL, rectangle("bar", 0.04, 0.03), (((0.0, 0.0, 0.0), (0.1, 0.0, 0.7)),), mesh=0.1)

@@ -8,20 +8,19 @@ import numpy as np
 import pytest
 
 from femstruct.errors import FemstructError
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.batch.metrics import Batch, Energies
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.result.contact_findings import unresolved
-from femstruct.impact.result.response import EnergyBalance, Outcome
-from femstruct.impact.scene.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.batch import Batch, Energies, simulate_batch
+from femstruct.impact.blow_by_blow import unresolved
+from femstruct.impact.response import EnergyBalance, Outcome
+from femstruct.impact.scene import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.lankarani_nikravesh import LankaraniNikravesh
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
+from femstruct.laws.tabulated import Tabulated
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes
 from femstruct.model.probe import Point
 
 ROUNDING = 1e-10  # steps and rounding: 4e-13 here at most

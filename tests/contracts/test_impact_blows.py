@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from femstruct.errors import FemstructError
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Blows, Body, Clock, Contact, HalfSine, Link, Load, Scene, Table
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
 
 ROUNDING = 1e-11  # steps and rounding: 5e-14 here at most
 

@@ -9,15 +9,15 @@ import pytest
 
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError, NotConverged
+from femstruct.impact import collocation as collocate
 from femstruct.impact import simulate as engine
-from femstruct.impact.collocation import collocate
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.result.response import Outcome, Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
+from femstruct.impact.response import Outcome, Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, HalfSine, Link, Load, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes, oscillator, rod
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
+from femstruct.modal.closed_form import given_modes, oscillator, rod
 from femstruct.model.probe import Point, Probe
 
 ROUNDING = 1e-12  # steps and rounding: 6e-15 here at most

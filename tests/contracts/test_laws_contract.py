@@ -10,25 +10,24 @@ import numpy as np
 import pytest
 
 import femstruct
-from femstruct.impact.engine.instant_forces import law as force_at
-from femstruct.impact.engine.instant_forces import sense
-from femstruct.impact.engine.records import INTERFACE, System
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.laws.dispatch import beside, spring
-from femstruct.impact.laws.flores import Flores
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.own import OwnLaw
-from femstruct.impact.laws.registry import CODES, DOUBTS, LAWS
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.language.laws.known_laws import KINDS
-from femstruct.modal.analytic import given_modes
+from femstruct.compiled.records import INTERFACE, System
+from femstruct.impact.propagation import law as force_at
+from femstruct.impact.propagation import sense
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.system import compile_scene
+from femstruct.language.bodies import LAW_KINDS
+from femstruct.laws.cubic import Cubic
+from femstruct.laws.flores import Flores
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.lankarani_nikravesh import LankaraniNikravesh
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.own import OwnLaw
+from femstruct.laws.registry import CODES, DOUBTS, LAWS, beside, spring
+from femstruct.laws.stop import Stop
+from femstruct.laws.tabulated import Tabulated
+from femstruct.modal.closed_form import given_modes
 
 ROUNDING = 1e-13  # rounding: 3e-16 here at most
 
@@ -121,7 +120,7 @@ def test_what_varies_is_where_the_engine_has_it(law: Law) -> None:
 
 def test_a_study_file_knows_every_law_with_a_word() -> None:
     words = {law.word for law in LAWS if law.word}
-    types = {spec.model_fields["type"].annotation.__args__[0] for spec in KINDS}  # type: ignore[union-attr]
+    types = {spec.model_fields["type"].annotation.__args__[0] for spec in LAW_KINDS}  # type: ignore[union-attr]
     assert words == types
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from femstruct.elements import membrane
-from femstruct.elements.facets.quadrilateral import square_points
+from femstruct.elements.flat_elements import square_points
 from femstruct.elements.plate import CORNERS
 from femstruct.errors import InputError
 

@@ -10,16 +10,16 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.sparse import block_array, csc_array, diags_array
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError, InputError, SingularSystem
-from femstruct.modal import factor, solve
-from femstruct.modal.factor import count_below
+from femstruct.modal import eigen
+from femstruct.modal import eigen as solve
+from femstruct.modal.eigen import _dense, count_below, modes, signed
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.residuals import residual_vectors
-from femstruct.modal.solve import _dense, modes, signed
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.frame import Frame
 
@@ -190,8 +190,8 @@ def test_a_lost_mode_is_noticed_and_fetched(monkeypatch, plate_grid):
 def test_an_untrustworthy_count_is_refused():
     # A zero on the diagonal needs an off-diagonal pivot: the signs of the others then say nothing.
     K = csc_array(np.array([[1.0, 2.0, 0.0], [2.0, 1.0, 0.5], [0.0, 0.5, 3.0]]))
-    assert factor.count_below(K, csc_array(np.eye(3)), 1.0) in (None, 1)
-    assert factor.count_below(csc_array(np.diag([1.0, 2.0, 3.0])), csc_array(np.eye(3)), 2.0) is None
+    assert eigen.count_below(K, csc_array(np.eye(3)), 1.0) in (None, 1)
+    assert eigen.count_below(csc_array(np.diag([1.0, 2.0, 3.0])), csc_array(np.eye(3)), 2.0) is None
 
 
 def test_ties_do_not_turn_the_sign():

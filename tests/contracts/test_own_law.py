@@ -10,14 +10,14 @@ import pytest
 from numba import njit
 
 from femstruct.errors import FemstructError
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.own import OwnLaw
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.law import Law
+from femstruct.laws.own import OwnLaw
+from femstruct.modal.closed_form import given_modes
 
 BASIS, POINTS = given_modes([60.0, 700.0], [0.02, 0.02], {"p": [1.2, -0.8]})
 

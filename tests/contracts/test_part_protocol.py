@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError, InputError
-from femstruct.model.facts import part_masses
-from femstruct.model.fastened import Elastic, Inert
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.material import Material
-from femstruct.model.meshed import Meshed
+from femstruct.model.imported_mesh import ImportedMesh
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
+from femstruct.model.model import part_masses
+from femstruct.model.part import Elastic, Inert, Meshed
 from femstruct.model.structure import Structure
 from femstruct.parts.plate import Plate
 from femstruct.parts.shell import Shell

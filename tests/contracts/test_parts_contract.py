@@ -13,13 +13,12 @@ from scipy.sparse import csr_array
 import femstruct as fs
 from femstruct.conventions import N_COMPONENTS
 from femstruct.elements import frame, plate
-from femstruct.language.parts.known_parts import KINDS
-from femstruct.model.imported.component import Component
-from femstruct.model.imported.imported_mesh import ImportedMesh, Stated, StatedLink, StatedMass
-from femstruct.model.meshed import Meshed
+from femstruct.language.model_file import PART_KINDS
+from femstruct.model.component import Component
+from femstruct.model.imported_mesh import ImportedMesh, Stated, StatedLink, StatedMass
 from femstruct.model.model import Model
-from femstruct.model.part import Part
-from femstruct.model.section import rectangle
+from femstruct.model.part import Meshed, Part
+from femstruct.model.sections import rectangle
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 TILTED = (0.0, -0.6, 0.8)  # normal of a plate
@@ -141,7 +140,7 @@ def shifts(part: Meshed) -> np.ndarray:
 
 def test_every_kind_with_nodes_is_here() -> None:
     here = {type(part) for part in PARTS.values()}
-    assert {spec.makes for spec in KINDS if "part" in spec.known_as} <= here
+    assert {spec.makes for spec in PART_KINDS if "part" in spec.known_as} <= here
 
 
 @every_part

@@ -6,10 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.elements import placement, quad_shell, triangle_shell
-from femstruct.elements.facets.axes import angles, flattened, frames, turned, turned_resultants
-from femstruct.elements.facets.congruent import each_once
-from femstruct.elements.facets.quadrilateral import square_points
+from femstruct.elements import members, quad_shell, triangle_shell
+from femstruct.elements.flat_elements import (
+    angles,
+    each_once,
+    flattened,
+    frames,
+    square_points,
+    turned,
+    turned_resultants,
+)
 from femstruct.elements.membrane import integration_points
 from femstruct.elements.plate import CORNERS
 from femstruct.elements.triangle_shell import MIDDLES
@@ -280,7 +286,7 @@ def test_turning_the_element_in_space_turns_its_matrices(corners):
     turn = np.linalg.qr(np.random.default_rng(8).standard_normal((3, 3)))[0]
     turn *= np.linalg.det(turn)
     for of in (lambda c: stiffness(c, ANISOTROPIC), lambda c: mass(c, m1=0.2)):
-        expected = placement.to_global(
+        expected = members.to_global(
             of(corners)[None],
             turn.T[None],
         )[0]

@@ -10,17 +10,19 @@ import pytest
 from matplotlib.axes import Axes
 from scipy.sparse.linalg import splu
 
-from femstruct.assembly.assemble import assemble
-from femstruct.impact.scene.bodies import Clock
-from femstruct.language import read_model_file, read_study
-from femstruct.modal.factor import count_below
+from femstruct.assembly.matrices import assemble
+from femstruct.impact.scene import Clock
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
+from femstruct.modal.eigen import count_below
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.facts import part_masses
 from femstruct.model.mesher import mesh_structure
+from femstruct.model.model import part_masses
 from femstruct.model.structure import Structure
-from femstruct.view.figures.plots import drawings, figures
-from femstruct.workflow.run import run, struck
-from femstruct.workflow.run.run import run_study
+from femstruct.view.plots import drawings, figures
+from femstruct.workflow import case as struck
+from femstruct.workflow import run
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDIES = sorted(MODELS.glob("*.study.yaml"))

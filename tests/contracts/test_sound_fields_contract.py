@@ -12,17 +12,18 @@ import numpy as np
 import pytest
 
 import femstruct
-from acoustics import Air, SurfaceShapes, SurfaceVelocity, SurfaceVibration, losses_from_t60
+from acoustics.air import Air
 from acoustics.errors import AcousticsError
 from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.known_fields import KINDS
 from acoustics.fields.rectangular import Room
 from acoustics.fields.shaped import ShapedRoom
 from acoustics.fields.sound_field import SoundField, air_stiffness_ratio
+from acoustics.losses import losses_from_t60
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.receivers import Receiver
-from acoustics.source import side_by_side, together
-from femstruct.files.results_file.nouns import Stored, restored, stored
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
+from femstruct.files.stored_values import Stored, restored, stored
 
 SIZE = (1.2, 0.9, 0.7)
 AIR = Air(340.0, 1.2)

@@ -28,18 +28,16 @@ import acoustics
 import acoustics.tags
 import femstruct
 import femstruct.tags
-from acoustics.levels.methods import STANDARDS, method_of
+from acoustics.levels.standards import STANDARDS, method_of
 from femstruct.errors import FemstructError, Finding
-from femstruct.files.results_file.nouns import restored, stored
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.results_file.tagged import format_4, kinds_by_tag
-from femstruct.files.results_file.tagged.kinds_by_tag import Newer, is_noun, kind_of, tag_of
-from femstruct.files.results_file.tagged.tagged_modules import MODULES
-from femstruct.impact.evaluations.known_evaluations import EVALUATIONS
-from femstruct.impact.result.response import ContactHistory, Outcome
-from femstruct.study.campaign.front import Front
-from femstruct.study.campaign.sought import Found
-from femstruct.study.result import StudyResult
+from femstruct.evaluations.known_evaluations import EVALUATIONS
+from femstruct.files import format_4, stored_values
+from femstruct.files.results_file import read_results
+from femstruct.files.stored_values import Newer, is_noun, kind_of, restored, stored, tag_of
+from femstruct.files.tagged_modules import MODULES
+from femstruct.impact.response import ContactHistory, Outcome
+from femstruct.study.optima import Found, Front
+from femstruct.study.results import StudyResult
 from femstruct.tags import stored_as
 
 ROOT = Path(__file__).parents[2]
@@ -139,8 +137,8 @@ def test_what_format_4_named_is_frozen_and_known() -> None:
     )
     for name in format_4._TAGS:
         newest = tag = format_4.tag_of_format_4(name.replace("/", "."))
-        while newest in kinds_by_tag.NEWER:
-            newest = kinds_by_tag.NEWER[newest].tag
+        while newest in stored_values.NEWER:
+            newest = stored_values.NEWER[newest].tag
         assert tag is not None and kind_of(newest) is not None
 
 
@@ -190,11 +188,11 @@ def test_fields_are_told_by_name() -> None:
 def test_an_older_version_of_a_noun_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """What its fields were called then is said in one place."""
 
-    def of_then(fields: kinds_by_tag.Fields) -> kinds_by_tag.Fields:
+    def of_then(fields: stored_values.Fields) -> stored_values.Fields:
         return {**fields, "code": fields["word"]}
 
     newer = {"remark/1": Newer("finding/1", of_then)}
-    monkeypatch.setattr("femstruct.files.results_file.nouns.NEWER", newer)
+    monkeypatch.setattr("femstruct.files.stored_values.NEWER", newer)
     found = made_with(lambda one: one.update({"is": "remark/1", "word": one.pop("code")}))
     assert found == Finding("mechanism", "It moves.")
 
@@ -251,7 +249,7 @@ for path in sys.argv[1:]:
 
 def test_files_of_then_are_read_after_a_module_was_renamed(frozen: Path, tmp_path: Path) -> None:
     """In a copy of the packages: the file, the imports of it and the table of tags are what a renaming changes."""
-    old, new = "impact.result.response", "impact.what_happened"
+    old, new = "impact.response", "impact.what_happened"
     for package in PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "femstruct" / f"{old.replace('.', '/')}.py").rename(

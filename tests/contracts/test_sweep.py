@@ -19,24 +19,20 @@ import numpy as np
 import pytest
 import xarray
 
+from femstruct.campaign.designs import campaigns_of, refuse_values
 from femstruct.campaign.executors import GONE, _pool, _Processes, crew
 from femstruct.campaign.forecast import planned
-from femstruct.campaign.gathered import versions
-from femstruct.campaign.journal import Row, is_of, opened
-from femstruct.campaign.kept_rows import write_rows
-from femstruct.campaign.numbers import Number
+from femstruct.campaign.rows import Number, Row, is_of, opened, write_rows
 from femstruct.campaign.sweep import ROWS, set_aside, sweep
-from femstruct.campaign.tasks import Task
-from femstruct.campaign.tried import campaigns_of, refuse_values
+from femstruct.campaign.tasks import Task, versions
 from femstruct.errors import InputError, InputErrors
-from femstruct.files.results_file.swept_file import read_swept
-from femstruct.files.tables.sweep_tables import case_of_pictures, changing
-from femstruct.language import read_study
-from femstruct.language.campaigns import read_campaign
-from femstruct.language.searches import read_search
-from femstruct.study.campaign.held_limits import held_limits
-from femstruct.view.campaigns.swept_figure import swept_figure
-from femstruct.workflow.run.run import run_study
+from femstruct.files.campaign_files import read_swept
+from femstruct.files.campaign_tables import case_of_pictures, changing
+from femstruct.language.campaigns import read_campaign, read_search
+from femstruct.language.cases import read_study
+from femstruct.study.campaigns import held_limits
+from femstruct.view.campaign_figures import swept_figure
+from femstruct.workflow.run import run_study
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 STUDY = """
@@ -226,7 +222,7 @@ def test_rows_of_another_version_are_set_aside(study: Path, tmp_path: Path, monk
     sweep(campaign, folder, workers=1)
     assert {"femstruct_version", "numpy_version", "scipy_version", "numba_version"} <= versions().keys()
     assert set_aside(campaign, folder) is None
-    monkeypatch.setattr("femstruct.workflow.run.provenance._versions", lambda: {"scipy_version": "another"})
+    monkeypatch.setattr("femstruct.workflow.provenance._versions", lambda: {"scipy_version": "another"})
     assert set_aside(campaign, folder) == folder / "sweep.1.rows"
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from acoustics.air import Air
-from acoustics.cavities.cavity import Cavity
-from acoustics.cavities.cavity_air import STILL_HZ, CavityAir, cavity_air
-from acoustics.cavities.equivalent_fluid import Wool
+from acoustics.rooms.cavities import STILL_HZ, Cavity, CavityAir, Wool, cavity_air
 from acoustics.source import SurfaceShapes
 
 P0, RHO = 101325.0, 1.204

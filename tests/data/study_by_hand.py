@@ -12,36 +12,25 @@ from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from femstruct.conventions import N_COMPONENTS, RX, RY, TWIST, UZ
 from femstruct.errors import Finding
-from femstruct.impact.engine.motion import sampled_motion
-from femstruct.impact.estimate import ErrorEstimate, Resolved
-from femstruct.impact.evaluations.known_evaluations import EVALUATIONS
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.result.response import (
-    BodyHistory,
-    ContactHistory,
-    EnergyBalance,
-    EnergyLedger,
-    Event,
-    Outcome,
-    Response,
-)
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Link, Scene
+from femstruct.evaluations.known_evaluations import EVALUATIONS
+from femstruct.impact.motion import sampled_motion
+from femstruct.impact.numerical_error import ErrorEstimate, Resolved
+from femstruct.impact.response import BodyHistory, ContactHistory, EnergyBalance, EnergyLedger, Event, Outcome, Response
+from femstruct.impact.scene import Body, Clock, Contact, Link, Scene
+from femstruct.laws.hertz import Hertz
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, Ratio
-from femstruct.model.material import Material
-from femstruct.model.mesh import Mesh
-from femstruct.model.model import Model
+from femstruct.model.materials import Material
+from femstruct.model.model import Mesh, Model
 from femstruct.model.probe import Point, Probe, Surface
-from femstruct.model.rows import sparse_rows
-from femstruct.model.section import circle
+from femstruct.model.regions import sparse_rows
+from femstruct.model.sections import circle
 from femstruct.model.structure import Structure
-from femstruct.parts.frame import Frame
-from femstruct.parts.of_frames.frame_mesh import FrameMesh
-from femstruct.parts.of_plates.plate_mesh import PlateMesh
-from femstruct.parts.plate import Plate
+from femstruct.parts.frame import Frame, FrameMesh
+from femstruct.parts.plate import Plate, PlateMesh
 from femstruct.study.asked import Extent, FrfRequest, RoomPlan, Spot, TimePlan
 from femstruct.study.recorded import Channel
-from femstruct.study.result import CaseComparison, CaseResult, Comparison, Frf, PeakChange, StudyResult
+from femstruct.study.results import CaseComparison, CaseResult, Comparison, Frf, PeakChange, StudyResult
 from femstruct.study.study import Case, Plan, Study
 
 LX, LY = 0.4, 0.32

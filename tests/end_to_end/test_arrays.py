@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.run.run import run_study
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
 
 MODEL = """materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850, loss_factor: 1 %}}
 parts: {plate: {type: plate, material: steel, thickness: 3 mm, origin: [0, 0, 0], size: [0.5, 0.4], mesh: [6, 6]}}

@@ -11,12 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.files.belongings import COMING, EARLIER, NAME, WRITTEN, together
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.workflow.run import output
-from femstruct.workflow.run.output import write_all
-from femstruct.workflow.run.run import run_study
+from femstruct.files.writing import COMING, EARLIER, NAME, WRITTEN, together
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow import run as output
+from femstruct.workflow.run import run_study, write_all
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
@@ -42,7 +41,7 @@ TWICE = {"twice _ new.box.mic.wav", "twice _ new.box.mic.wav.json"}
 
 KILLED = """
 import os, pathlib, signal, sys
-from femstruct.files.belongings import together
+from femstruct.files.writing import together
 move, moves = pathlib.Path.replace, []
 def replace(self, target):
     if self.parent.name.startswith(".run"):
@@ -57,7 +56,7 @@ with together(pathlib.Path(sys.argv[1])) as stage:
 """
 WAITS = """
 import os, pathlib, signal, sys
-from femstruct.files.belongings import together
+from femstruct.files.writing import together
 move = pathlib.Path.replace
 def replace(self, target):
     os.kill(os.getpid(), signal.SIGINT)

@@ -13,17 +13,17 @@ import numpy as np
 import pytest
 
 from acoustics.levels.sound_levels import level_spectrum
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.view.figures.loudness import rated_bands
-from femstruct.view.figures.spectra import sound
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.compare.verdicts import verdicts
-from femstruct.workflow.judgement.blank_bands import blanks_before
-from femstruct.workflow.run.run import run_study
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.sound_figures import rated_bands
+from femstruct.view.spectra import sound
+from femstruct.view.terminal import show_study
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.compare import verdicts
+from femstruct.workflow.run import run_study
+from femstruct.workflow.study_findings import blanks_before
 
 MODEL = Path(__file__).parents[2] / "models" / "bedroom.yaml"
 STUDY = """model: bedroom.yaml

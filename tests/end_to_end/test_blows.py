@@ -11,18 +11,17 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.view.figures.energy_over_time import energy
-from femstruct.view.figures.undrawn import no_shapes
-from femstruct.view.scenes.scene import shapes_all
-from femstruct.view.tables.blow_table import blows
-from femstruct.view.tables.structure_tables import show_modes
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.check.asked_modes import extent_of, modes_of
-from femstruct.workflow.run.output import write_all
-from femstruct.workflow.run.run import run_study
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.case_tables import blows
+from femstruct.view.histories import energy
+from femstruct.view.model_scene import shapes_all
+from femstruct.view.structure_tables import show_modes
+from femstruct.view.terminal import show_study
+from femstruct.view.undrawn import no_shapes
+from femstruct.workflow.modes import extent_of, modes_of
+from femstruct.workflow.run import run_study, write_all
 
 MODELS = Path(__file__).parents[2] / "models"
 MODEL = """structure:

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from femstruct.cli import app
-from femstruct.view.campaigns.swept_table import written
+from femstruct.view.campaign_answers import written
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 STUDY = """

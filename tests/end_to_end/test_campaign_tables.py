@@ -8,11 +8,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from femstruct.files.results_file.found_file import write_found
-from femstruct.files.results_file.swept_file import write_swept, write_table
-from femstruct.study.campaign.sought import Chosen, Found, Search
-from femstruct.study.campaign.swept import Swept
-from femstruct.study.campaign.varied import Scattered
+from femstruct.files.campaign_files import write_found, write_swept, write_table
+from femstruct.study.campaigns import Scattered, Swept
+from femstruct.study.optima import Chosen, Found, Search
 from tests.data.command_line import femstruct
 
 NUMBERS = [[[5.0, 7.5], [6.0, np.nan]], [[4.0, 6.5], [np.nan, np.nan]]]  # by case, sample and name

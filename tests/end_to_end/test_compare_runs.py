@@ -8,17 +8,15 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
 from femstruct.study.recorded import Channel
-from femstruct.study.result import StudyResult
-from femstruct.view.report import report
-from femstruct.view.tables.machine_table import machine
-from femstruct.workflow.compare.finished import beside, names_of
-from femstruct.workflow.compare.input_files import _between, _File, differences
-from femstruct.workflow.run.run import run_study
+from femstruct.study.results import StudyResult
+from femstruct.view.case_tables import machine
+from femstruct.view.page import report
+from femstruct.workflow.finished_runs import _between, _File, beside, differences, names_of
+from femstruct.workflow.run import run_study
 from tests.data.command_line import femstruct
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"

@@ -9,13 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import read_results, read_study, run_study, write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.impact.result.fatigue import rainflow_cycles
-from femstruct.study.result import StudyResult
-from femstruct.view.tables.answer_tables import fatigue
-from femstruct.view.tables.machine_table import limits, machine
-from femstruct.view.tables.terminal import study_tables
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.impact.fatigue import rainflow_cycles
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.answer_tables import fatigue
+from femstruct.view.case_tables import limits, machine
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}

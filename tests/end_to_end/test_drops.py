@@ -8,21 +8,22 @@ import h5py
 import numpy as np
 import pytest
 
-from acoustics import heavy_impact_level, rate_room
-from acoustics.levels.ending import passed_by
+from acoustics.levels.bands import passed_by
+from acoustics.levels.rated import rate_room
+from acoustics.levels.standards import heavy_impact_level
 from femstruct.errors import InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.view.figures.loudness import levels_over_time, rated_bands
-from femstruct.view.figures.spectra import sound
-from femstruct.view.report import report
-from femstruct.view.tables.structure_tables import show_inspection
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.run import struck
-from femstruct.workflow.run.run import run_study, without_rooms
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.page import report
+from femstruct.view.sound_figures import levels_over_time, rated_bands
+from femstruct.view.spectra import sound
+from femstruct.view.structure_tables import show_inspection
+from femstruct.view.terminal import show_study
+from femstruct.workflow import case as struck
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.run import run_study, without_rooms
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

@@ -10,20 +10,18 @@ import pytest
 
 from femstruct import cli
 from femstruct.exits import GOOD, NOT_TRUSTED, leave_with
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.impact.estimate import ErrorEstimate, Resolved, error_of
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.impact.numerical_error import ErrorEstimate, Resolved, error_of, unresolved_findings
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.impact.unresolved import unresolved_findings
-from femstruct.language import read_study
-from femstruct.modal.analytic import given_modes
-from femstruct.study.result import StudyResult
-from femstruct.view.report import report
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.laws.hertz import Hertz
+from femstruct.modal.closed_form import given_modes
+from femstruct.study.results import StudyResult
+from femstruct.view.page import report
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
 
 MODEL = "structure: {type: modes, frequency: [40, 310], ratio: [0, 0], points: {p: [1.5, 1.1]}}"
 STUDY = """

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import read_study
+from femstruct.language.cases import read_study
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 

@@ -8,16 +8,24 @@ import h5py
 import numpy as np
 import pytest
 
-from acoustics import energy_average, equivalent_levels, impact_grade, inverse_a_level
-from acoustics.levels.jis_ks import HEAVY_OCTAVES, LIGHT_OCTAVES, grade_curve, inverse_a_curve
+from acoustics.levels.sound_levels import equivalent_levels
+from acoustics.levels.standards import (
+    HEAVY_OCTAVES,
+    LIGHT_OCTAVES,
+    energy_average,
+    grade_curve,
+    impact_grade,
+    inverse_a_curve,
+    inverse_a_level,
+)
 from femstruct.errors import InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.view.figures.loudness import rated_bands
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.run.run import run_study
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.sound_figures import rated_bands
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from femstruct import read_study, run_study
 from femstruct.cli import app
 from femstruct.errors import FemstructError
-from femstruct.impact.estimate import error_of
-from femstruct.impact.result.response import Response
-from femstruct.workflow.identify.identify import identify
-from femstruct.workflow.identify.measured_data import MeasuredFiles, read_data
-from femstruct.workflow.identify.trial import Trial
-from femstruct.workflow.run import struck
+from femstruct.impact.numerical_error import error_of
+from femstruct.impact.response import Response
+from femstruct.language.cases import read_study
+from femstruct.workflow import case as struck
+from femstruct.workflow.identify import identify
+from femstruct.workflow.measured_data import MeasuredFiles, read_data
+from femstruct.workflow.run import run_study
+from femstruct.workflow.trial import Trial
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDY, RECORD, CHANNEL = MODELS / "tennis_ball_drop.study.yaml", MODELS / "tennis_ball_drop.csv", "ball on ground force"

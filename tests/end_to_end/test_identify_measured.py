@@ -10,30 +10,25 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from femstruct import MeasuredFiles, MeasuredModes, identify, read_study, run_study, write_uff
 from femstruct.cli import app
 from femstruct.errors import FemstructError
-from femstruct.files.exchange.frf_files import write_frf_csv, write_frf_uff
-from femstruct.files.tables.beside_table import write_beside
-from femstruct.files.tables.sheets import sheets, write_csv
-from femstruct.language import read_model_file
-from femstruct.modal.measured.frf_table import FrfTable
-from femstruct.modal.measured.measurement import Measurement
-from femstruct.study.asked import Extent
-from femstruct.study.matched import Beside
-from femstruct.view.figures.drawing import save
-from femstruct.view.figures.fitted import fit_figure
-from femstruct.view.tables.identified_table import found_lines, show_identification
-from femstruct.workflow.check.asked_modes import modes_of
-from femstruct.workflow.exchange.asked_responses import frfs_of
-from femstruct.workflow.identify.data.frfs import FrfDatum, read_frfs
-from femstruct.workflow.identify.data.levels import read_levels
-from femstruct.workflow.identify.identify import Identification
-from femstruct.workflow.identify.measured_data import read_data
-from femstruct.workflow.identify.needs import Needs
-from femstruct.workflow.identify.parameters import parameters_of
-from femstruct.workflow.identify.trial import Trial, Trials, read_source
-from femstruct.workflow.stages.modal_bases import solve
+from femstruct.files.frf_files import write_frf_csv, write_frf_uff
+from femstruct.files.sheets import sheets, write_beside, write_csv
+from femstruct.files.uff import write_uff
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
+from femstruct.modal.measured import FrfTable, MeasuredModes, Measurement
+from femstruct.study.asked import Beside, Extent
+from femstruct.view.drawing import save
+from femstruct.view.fit_figures import fit_figure
+from femstruct.view.structure_tables import found_lines, show_identification
+from femstruct.workflow.bases import solve
+from femstruct.workflow.exchange import frfs_of
+from femstruct.workflow.identify import Identification, identify
+from femstruct.workflow.measured_data import FrfDatum, MeasuredFiles, read_data, read_frfs, read_levels
+from femstruct.workflow.modes import modes_of
+from femstruct.workflow.run import run_study
+from femstruct.workflow.trial import Needs, Trial, Trials, parameters_of, read_source
 
 FLOOR = Path(__file__).parents[1] / "data" / "floor_to_fit.yaml"
 CONCRETE, POSTS, LOSS = "materials.concrete.E", "parts.posts.stiffness.z", "materials.concrete.loss_factor"

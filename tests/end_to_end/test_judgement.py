@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult
-from femstruct.view.figures.histories import history
-from femstruct.view.tables.terminal import study_tables
-from femstruct.workflow.check.asked_response import frf_of
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.exchange.asked_responses import frfs_of
-from femstruct.workflow.identify.identify import identify
-from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.modal_bases import solve_all
-from femstruct.workflow.stages.recorded.peaks import converged
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.view.histories import history
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.bases import solve_all
+from femstruct.workflow.channels import converged
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.exchange import frfs_of
+from femstruct.workflow.identify import identify
+from femstruct.workflow.model_answers import frf_of
+from femstruct.workflow.run import run_study
 from tests.data.command_line import femstruct
 
 PLATE = """

@@ -13,14 +13,13 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import FemstructError
-from femstruct.files.belongings import INPUTS, NAME, together
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.set_aside import kept_beside
-from femstruct.language import read_study
-from femstruct.workflow.run import output
-from femstruct.workflow.run.output import redraw
-from femstruct.workflow.run.provenance import inputs_of
-from femstruct.workflow.run.watch import rounds
+from femstruct.files.results_file import read_results
+from femstruct.files.writing import INPUTS, NAME, kept_beside, together
+from femstruct.language.cases import read_study
+from femstruct.workflow import run as output
+from femstruct.workflow.provenance import inputs_of
+from femstruct.workflow.run import redraw
+from femstruct.workflow.watch import rounds
 from tests.data.command_line import femstruct
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
@@ -34,7 +33,7 @@ cases: {light: {}, heavy: {structure.mass: 4 kg}}
 """
 KILLED = """
 import os, pathlib, signal, sys
-from femstruct.files.belongings import together
+from femstruct.files.writing import together
 steps = []
 def counted(what):
     def step(*arguments, **options):

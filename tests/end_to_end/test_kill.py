@@ -13,7 +13,7 @@ import h5py
 import pytest
 from scipy.io import wavfile
 
-from femstruct.files.belongings import COMING, NAME
+from femstruct.files.writing import COMING, NAME
 
 ROOT = Path(__file__).parents[2]
 STUDY = ROOT / "models" / "three_bodies.study.yaml"

@@ -12,9 +12,8 @@ from typer.testing import CliRunner
 from femstruct.cli import app
 from femstruct.errors import InputError
 from femstruct.exits import leave_with
-from femstruct.files.exchange.uff_writing import write_uff
-from femstruct.modal.measured.correlation import carried_to, correlation
-from femstruct.modal.measured.measurement import MeasuredFrf, MeasuredModes, MeasuredPlace, Measurement
+from femstruct.files.uff import write_uff
+from femstruct.modal.measured import MeasuredFrf, MeasuredModes, MeasuredPlace, Measurement, carried_to, correlation
 
 pytest.importorskip("pyuff", reason="universal files need the package pyuff")
 SIDE = 0.6
@@ -208,8 +207,8 @@ def test_pyvista_opens_the_shapes_without_a_word(files, tmp_path):
 
 def test_the_nearest_place_is_the_nearest_of_all(places, files):
     """Beside a search of every triangle: a plate and places beside, above and on it."""
-    from femstruct import read_model
-    from femstruct.model.refine import refined
+    from femstruct.language.models import read_model
+    from femstruct.model.model import refined
 
     shown = refined(read_model(files[0]), 2)
     some = np.random.default_rng(9).uniform([0.0, -0.1, 0.4], [0.8, 0.7, 0.6], (40, 3))
@@ -222,8 +221,10 @@ def test_the_nearest_place_is_the_nearest_of_all(places, files):
 
 
 def test_shapes_without_motion_are_refused(places, files):
-    from femstruct import assemble, modal_basis, read_model
-    from femstruct.model.refine import refined
+    from femstruct.assembly.matrices import assemble
+    from femstruct.language.models import read_model
+    from femstruct.modal.reduction import modal_basis
+    from femstruct.model.model import refined
 
     model = read_model(files[0])
     still = MeasuredModes([1.0], [0.0], np.zeros((25, 3, 1)), places, np.zeros((25, 3)))

@@ -14,13 +14,13 @@ from scipy.optimize import brentq
 
 from femstruct.cli import app
 from femstruct.errors import Finding, InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.view.tables.machine_table import machine
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.run.run import run_study
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.case_tables import machine
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
 
 ROUNDING = 1e-12  # rounding: 9e-15 here at most
 

@@ -8,11 +8,16 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from femstruct import Damping, FromMaterials, assemble, frf_table, modal_basis, read_model, read_uff, with_damping
+from femstruct.assembly.matrices import assemble
 from femstruct.cli import app
 from femstruct.errors import InputError
 from femstruct.exits import leave_with
+from femstruct.files.uff import read_uff
+from femstruct.language.models import read_model
+from femstruct.modal.damping import Damping, FromMaterials, with_damping
 from femstruct.modal.frf import frf
+from femstruct.modal.measured import frf_table
+from femstruct.modal.reduction import modal_basis
 
 MODEL = Path(__file__).parents[2] / "models" / "small_plate.yaml"
 ASKED = [
@@ -148,8 +153,8 @@ def test_forces_are_not_for_universal_files(tmp_path, capsys):
 
 
 def test_a_table_that_does_not_fit_is_refused():
-    from femstruct import FrfTable
     from femstruct.errors import FemstructError
+    from femstruct.modal.measured import FrfTable
 
     with pytest.raises(FemstructError, match=r"got shape \(1, 1, 3\), expected shape \(1, 1, 2\)"):
         FrfTable([1.0, 2.0], ("a.z",), ("a.z",), ("mobility",), np.ones((1, 1, 3)))

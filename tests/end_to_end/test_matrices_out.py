@@ -12,11 +12,15 @@ from scipy.io import mmread
 from scipy.sparse import csc_array, csr_array
 from typer.testing import CliRunner
 
-from femstruct import assemble, given_matrices, modal_basis, read_matrices, read_model
+from femstruct.assembly.given_matrices import given_matrices
+from femstruct.assembly.matrices import assemble
 from femstruct.cli import app
 from femstruct.conventions import COMPONENTS, N_COMPONENTS
 from femstruct.errors import FemstructError, InputError
 from femstruct.exits import leave_with
+from femstruct.files.matrices_input import read_matrices
+from femstruct.language.models import read_model
+from femstruct.modal.reduction import modal_basis
 
 MODELS = Path(__file__).parents[2] / "models"
 SAME = 1e-12  # of the largest: the matrices are the same to the last digit, and the solver is, too

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.files.templates import starting_files
-from femstruct.files.templates.starting_files import KINDS, named, what_of, write_new
+from femstruct.templates import starting_files
+from femstruct.templates.starting_files import KINDS, named, what_of, write_new
 from tests.data.command_line import femstruct
 
 ROOT = Path(__file__).parents[2]
@@ -138,7 +138,7 @@ def test_they_are_data_of_the_package() -> None:
     """A wheel has them: their folder is a package, and its YAML files are listed as data."""
     listed = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
     folder = Path(starting_files.__file__).parent
-    assert listed["package-data"]["femstruct.files.templates"] == ["*.yaml"]
+    assert listed["package-data"]["femstruct.templates"] == ["*.yaml"]
     found = {path.name for path in folder.glob("*.yaml")}
     assert found == {f"{kind.replace('-', '_')}{end}" for kind in KINDS for end in (".yaml", ".study.yaml")}
     assert all(what_of(kind) for kind in KINDS)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.run import run_study
 
 STUDY = """
 model: plate.yaml

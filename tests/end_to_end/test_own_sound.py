@@ -9,19 +9,19 @@ import h5py
 import numpy as np
 import pytest
 
-from acoustics import Air, Receiver
+from acoustics.air import Air
 from acoustics.fields.half_space import HalfSpace
 from acoustics.levels.sound_levels import sound_levels
 from acoustics.open_air.sphere import Sphere, sphere_pressures
+from acoustics.receivers import Receiver
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.sound.impactor import pushed_velocity
-from femstruct.study.result import CaseResult
-from femstruct.view.tables.terminal import study_tables
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.run.output import write_all
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.sound.radiated_power import pushed_velocity
+from femstruct.study.results import CaseResult
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.run import run_study, write_all
 
 PLATE = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}
@@ -186,7 +186,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, bodies: str, rooms: str, told: st
 
 
 def test_files_keep_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("femstruct.view.scenes.scene.shapes_all", lambda *_: ([], ""))  # they take time
+    monkeypatch.setattr("femstruct.view.model_scene.shapes_all", lambda *_: ([], ""))  # they take time
     result = run_study(read_study(written(tmp_path, more="cases: {ball: {}, hollow: {bodies.ball.mass: 10 g}}")))
     write_all(result, tmp_path)
     case = result.cases["hollow"]

@@ -15,11 +15,11 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import FemstructError
-from femstruct.impact.laws.law import Law
 from femstruct.language import parts
-from femstruct.language.parts.part import PartSpec
-from femstruct.language.yaml.discovery import kinds_of
+from femstruct.language.parts import PartSpec
+from femstruct.laws.law import Law
 from femstruct.plugins import added_kinds
+from femstruct.yaml.spec import kinds_of
 
 ROOT = Path(__file__).parents[2]
 GUEST = ROOT / "tests" / "data" / "femstruct_guest"
@@ -159,10 +159,10 @@ def test_a_law_of_another_package_is_read_and_dispatched_to(site: Path) -> None:
     """Force, slope and energy of its kernel as the engine calls it, against the law's own formulas in Python."""
     script = """
 from femstruct import Clock, read_study
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.laws.dispatch import spring
-from femstruct.impact.scene.bodies import GROUND, Body, Contact, Scene
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.system import compile_scene
+from femstruct.laws.registry import spring
+from femstruct.impact.scene import GROUND, Body, Contact, Scene
+from femstruct.modal.closed_form import given_modes
 law = read_study("fall.study.yaml").cases[0].study.contacts[0].law
 scene = Scene((Body("b", 1.0, -1.0),), (Contact("c", "b", GROUND, law),))
 system = compile_scene(given_modes([], [], {})[0], scene, Clock(1.0, 1.0)).system
@@ -194,8 +194,8 @@ BROKEN = {
     "no such module": ("gone:Spec", "", "ModuleNotFoundError: No module named 'gone'"),
     "an error of its own": ("MODULE:Spec", "1 / 0", "ZeroDivisionError: division by zero"),
     "no such name": ("MODULE:Spec", "", "has no attribute 'Spec'"),
-    "no class": ("MODULE:Spec", "Spec = 3", "got 3, expected a class that extends femstruct.language.parts.part.Part"),
-    "a law": ("MODULE:Spec", "from femstruct.language.laws.stop import StopSpec as Spec", "StopSpec'>, expected a cl"),
+    "no class": ("MODULE:Spec", "Spec = 3", "got 3, expected a class that extends femstruct.language.parts.Part"),
+    "a law": ("MODULE:Spec", "from femstruct.language.laws import StopSpec as Spec", "StopSpec'>, expected a cl"),
     "no word": (
         "MODULE:Spec",
         f"from {PartSpec.__module__} import PartSpec\nclass Spec(PartSpec): ...",
@@ -203,8 +203,8 @@ BROKEN = {
     ),
     "a word that is taken": (
         "MODULE:Spec",
-        "from femstruct.language.parts.plate import PlateSpec as Spec",
-        "got type: plate, taken by femstruct.language.parts.plate, expected a word of its own",
+        "from femstruct.language.parts import PlateSpec as Spec",
+        "got type: plate, taken by femstruct.language.parts, expected a word of its own",
     ),
 }
 
@@ -226,7 +226,7 @@ def test_a_broken_package_is_named(what: str, tmp_path: Path, monkeypatch: pytes
 
 def test_half_a_law_is_told_what_it_lacks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     installed(tmp_path, "some-guest", "[femstruct.laws]\nthing = half_a_law:Half\n")
-    text = "from femstruct.impact.laws.law import Law\nclass Half(Law):\n    stored = None\n"
+    text = "from femstruct.laws.law import Law\nclass Half(Law):\n    stored = None\n"
     (tmp_path / "half_a_law.py").write_text(text, encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
     with pytest.raises(FemstructError, match=r"some-guest 0.1, .*: got a class without indentation, expected"):
@@ -253,7 +253,7 @@ def test_a_command_names_the_broken_package_in_one_line(site: Path) -> None:
 def test_the_words_of_another_package_may_be_imported_first(site: Path) -> None:
     """Its module imports ours, which look for kinds of other packages: that is no circle."""
     for module, name in (("strut_words", "StrutSpec"), ("barrier_words", "BarrierSpec"), ("barrier", "Barrier")):
-        told = python(site, "-c", f"from femstruct_guest.{module} import {name}; import femstruct.impact.laws.registry")
+        told = python(site, "-c", f"from femstruct_guest.{module} import {name}; import femstruct.laws.registry")
         assert (told.returncode, told.stderr) == (0, "")
 
 

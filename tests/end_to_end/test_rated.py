@@ -9,19 +9,18 @@ import h5py
 import numpy as np
 import pytest
 
-from acoustics import heavy_impact_level, standardised_maximum_level
-from acoustics.levels.iso import A_THIRDS
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
+from acoustics.levels.standards import A_THIRDS, heavy_impact_level, standardised_maximum_level
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
 from femstruct.study.asked import Limit
-from femstruct.study.result import StudyResult
-from femstruct.view.figures.loudness import rated_bands
-from femstruct.view.page.html import table
-from femstruct.view.tables.rated_table import ratings
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.compare.verdicts import verdicts
-from femstruct.workflow.run.run import run_study
+from femstruct.study.results import StudyResult
+from femstruct.view.answer_tables import ratings
+from femstruct.view.page import table
+from femstruct.view.sound_figures import rated_bands
+from femstruct.view.terminal import show_study
+from femstruct.workflow.compare import verdicts
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

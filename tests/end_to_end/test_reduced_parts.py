@@ -11,11 +11,11 @@ import pytest
 from typer.testing import CliRunner
 
 import femstruct as fs
-from femstruct import read_results
 from femstruct.cli import app
 from femstruct.errors import InputError, InputErrors
-from femstruct.language import read_model_file
-from femstruct.workflow.check.inspect import inspect_file
+from femstruct.files.results_file import read_results
+from femstruct.language.models import read_model_file
+from femstruct.workflow.check import inspect_file
 
 FLOOR = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400, loss_factor: 1 %}}

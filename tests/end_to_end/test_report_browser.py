@@ -13,10 +13,9 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from femstruct.language import read_study
-from femstruct.view.report import report
-from femstruct.workflow.run.output import write_all
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.view.page import report
+from femstruct.workflow.run import run_study, write_all
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = (

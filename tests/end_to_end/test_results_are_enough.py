@@ -17,11 +17,11 @@ from typer.testing import CliRunner
 from femstruct.cli import app
 from femstruct.errors import FemstructError, InputError
 from femstruct.exits import leave_with
-from femstruct.files.belongings import NAME
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.tables.sheets import Sheet, _rows
-from femstruct.view.report import report
-from femstruct.workflow.run import run as solving
+from femstruct.files.results_file import read_results
+from femstruct.files.sheets import Sheet, _rows
+from femstruct.files.writing import NAME
+from femstruct.view.page import report
+from femstruct.workflow import run as solving
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

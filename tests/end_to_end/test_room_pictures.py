@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from acoustics import Room
-from acoustics.rooms import receiver_grids as grids
+from acoustics.fields import receiver_grids as grids
+from acoustics.fields.rectangular import Room
 from femstruct.errors import InputErrors
-from femstruct.files.room_modes import write_room_modes
-from femstruct.language import read_study
-from femstruct.view.scenes import room_scene
-from femstruct.view.scenes.opengl import NoOpenGL, require_opengl
-from femstruct.workflow.run.run import run_study
+from femstruct.files.mode_files import write_room_modes
+from femstruct.language.cases import read_study
+from femstruct.view import room_scene
+from femstruct.view.model_scene import NoOpenGL, require_opengl
+from femstruct.workflow.run import run_study
 
 STUDY = """
 model: plate.yaml

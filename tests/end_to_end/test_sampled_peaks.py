@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from femstruct.cli import app
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 MODEL = "structure: {type: oscillator, mass: 10 kg, stiffness: 1 MN/m}\npoints: {m: {}}\n"
 STUDY = """model: model.yaml
@@ -52,7 +52,7 @@ def test_a_recorded_peak_between_samples_is_found(tmp_path: Path, sampling: str,
 
 def test_a_peak_that_no_grid_shows_is_a_lower_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A contact of 0.5 ms that memory does not let be followed, on a structure that is sampled densely enough."""
-    monkeypatch.setattr("femstruct.impact.closer.MOST_STATES", 100)
+    monkeypatch.setattr("femstruct.impact.resampled.MOST_STATES", 100)
     path = study(tmp_path, "1 kHz")
     text = path.read_text(encoding="utf-8").replace("m.z: velocity", "m.z: [velocity, displacement]")
     path.write_text(text + LIMITS, encoding="utf-8")
@@ -85,7 +85,7 @@ def test_a_machine_has_the_same_forces_and_travels_at_any_sampling() -> None:
 
 def test_a_machine_whose_peaks_do_not_fit_into_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its forces and travels are blank in all tables; no limit on them is met."""
-    monkeypatch.setattr("femstruct.impact.closer.MOST_STATES", 100)
+    monkeypatch.setattr("femstruct.impact.resampled.MOST_STATES", 100)
     path = Path(__file__).parents[2] / "models" / "forging_hammer.study.yaml"
     out = tmp_path / "out"
     given = [

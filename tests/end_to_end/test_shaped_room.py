@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
 from acoustics.meshed.walls import AnyWall
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 SIZE = (0.5, 0.4, 0.3)

@@ -11,12 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 from femstruct.errors import InputError
-from femstruct.files.results_file.results import write_results
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult
-from femstruct.view.tables.terminal import asked_tables
-from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.rest import rest_states
+from femstruct.files.results_file import write_results
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.view.terminal import asked_tables
+from femstruct.workflow.bases import rest_states
+from femstruct.workflow.run import run_study
 
 ROUNDING = 1e-12  # rounding: 9e-15 here at most
 

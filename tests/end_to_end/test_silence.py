@@ -9,8 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics.levels.exposure import force_exposure_levels
-from acoustics.levels.sound_levels import a_levels, equivalent_levels, level_history, level_spectrum, sound_levels
+from acoustics.levels.sound_levels import (
+    a_levels,
+    equivalent_levels,
+    force_exposure_levels,
+    level_history,
+    level_spectrum,
+    sound_levels,
+)
 from tests.data.command_line import femstruct
 
 pytestmark = pytest.mark.filterwarnings("error")

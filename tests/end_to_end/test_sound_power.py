@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from acoustics import Receiver
+from acoustics.receivers import Receiver
 from femstruct.errors import InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
 from femstruct.sound.placed import placed
-from femstruct.sound.surface import pressure_per_force
-from femstruct.study.result import CaseResult, StudyResult
-from femstruct.view.figures.plots import figures
-from femstruct.view.figures.power_figures import room_directivity, sound_energy
-from femstruct.view.report import report
-from femstruct.view.tables.terminal import study_tables
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.run.run import run_study, without_rooms
-from femstruct.workflow.stages.modal_bases import solve_all
+from femstruct.sound.surfaces import pressure_per_force
+from femstruct.study.results import CaseResult, StudyResult
+from femstruct.view.page import report
+from femstruct.view.plots import figures
+from femstruct.view.sound_figures import room_directivity, sound_energy
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.bases import solve_all
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.run import run_study, without_rooms
 
 A, B, H = 0.5, 0.4, 3e-3
 E, NU, RHO = 210e9, 0.3, 7850.0

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.impact.scene.impact_sources import RUBBER_BALL
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.workflow.run.run import run_study
+from femstruct.impact.scene import RUBBER_BALL
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 FLOOR = """structure: {{type: modes, frequency: [{frequency}], ratio: [3 %], points: {{p: [{shape}]}}}}
 """

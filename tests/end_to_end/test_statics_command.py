@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.files.results_file.stored import read_results
+from femstruct.files.results_file import read_results
 from tests.data.command_line import Ended, femstruct
 
 

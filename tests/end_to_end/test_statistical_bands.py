@@ -13,18 +13,17 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.tables.sheets import sheets, write_csv
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.sheets import sheets, write_csv
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
 from femstruct.study.study import Study
-from femstruct.view.figures.loudness import rated_bands
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.continuation.bare_plates import bare_plate
-from femstruct.workflow.run.run import run_study
+from femstruct.view.sound_figures import rated_bands
+from femstruct.view.terminal import show_study
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.rated_floors import bare_plate
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDY = """model: bedroom.yaml

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import h5py
 
-from femstruct.files.results_file.stored import read_results
-from femstruct.language import read_study
-from femstruct.workflow.run.output import write_all
-from femstruct.workflow.run.run import run_study
+from femstruct.files.results_file import read_results
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study, write_all
 
 MODEL = """
 materials: {$\\foo$: {E: 210 GPa, nu: 0.3, rho: 7850}}

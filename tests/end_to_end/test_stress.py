@@ -5,14 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import read_results, read_study, run_study, write_results
 from femstruct.elements.stresses import von_mises
 from femstruct.errors import InputErrors
-from femstruct.impact.closer import closer
-from femstruct.view.tables.answer_tables import stresses
-from femstruct.view.tables.machine_table import limits
-from femstruct.workflow.stages.recorded.stresses import largest_stress, walked
-from femstruct.workflow.stages.recorded.windowed_peaks import in_band
+from femstruct.files.results_file import read_results, write_results
+from femstruct.impact.resampled import closer
+from femstruct.language.cases import read_study
+from femstruct.view.answer_tables import stresses
+from femstruct.view.case_tables import limits
+from femstruct.workflow.channels import in_band, largest_stress, walked
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850 kg/m^3, loss_factor: 1 %}}
@@ -73,7 +74,7 @@ def test_blocks_of_any_length_give_the_same(result, monkeypatch):
     (model,) = result.models.values()
     places, q = model.parts["leg"].stresses(model.mesh.n_nodes), case.response.q
     whole = walked(places, case.basis.shapes, q)
-    monkeypatch.setattr("femstruct.workflow.stages.recorded.stresses.AT_ONCE", 1000)
+    monkeypatch.setattr("femstruct.workflow.channels.AT_ONCE", 1000)
     for one, other in zip(whole, walked(places, case.basis.shapes, q), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9)  # rounding of products of other shapes
 
@@ -119,7 +120,8 @@ def test_filtered_is_the_motion_not_the_stress(tmp_path):
 
 
 def _parts(case, folder):
-    from femstruct import mesh_structure, read_model
+    from femstruct.language.models import read_model
+    from femstruct.model.mesher import mesh_structure
 
     return mesh_structure(read_model(Path(folder, "model.yaml")).structure).parts.values()
 

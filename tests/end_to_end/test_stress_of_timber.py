@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from femstruct import read_study, run_study
-from femstruct.workflow.check.asked_response import frf_of
-from femstruct.workflow.check.at_rest import at_rest
+from femstruct.language.cases import read_study
+from femstruct.workflow.model_answers import at_rest, frf_of
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials:

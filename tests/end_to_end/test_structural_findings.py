@@ -8,14 +8,15 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import Finding, InputErrors
-from femstruct.language import read_model_file, read_study
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
 from femstruct.model.mesher import mesh_structure
 from femstruct.study.asked import Extent
-from femstruct.workflow.check.asked_modes import modes_of
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.judgement.structure_findings import structure_findings_after, structure_findings_before
-from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.modal_bases import solve
+from femstruct.workflow.bases import solve
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.modes import modes_of
+from femstruct.workflow.run import run_study
+from femstruct.workflow.structure_findings import structure_findings_after, structure_findings_before
 from tests.data.command_line import femstruct
 
 ROOT = Path(__file__).parents[2]

@@ -13,10 +13,10 @@ import pytest
 from typer.testing import CliRunner
 
 from femstruct.cli import app
-from femstruct.files.tables.study_tables import summary
-from femstruct.files.tables.summary_schema import summary_schema
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
+from femstruct.files.study_tables import summary
+from femstruct.files.summary_schema import summary_schema
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = summary_schema()

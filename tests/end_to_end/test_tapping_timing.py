@@ -9,9 +9,9 @@ import pytest
 
 from acoustics.levels.sound_levels import sound_levels
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}

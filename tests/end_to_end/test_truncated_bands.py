@@ -11,13 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics.levels.bands import band_edges
-from acoustics.levels.ending import LOUDER_DB, OFF_DB, filtered, passed_by
-from acoustics.levels.filters import band_response
+from acoustics.levels.bands import LOUDER_DB, OFF_DB, band_edges, band_response, filtered, passed_by
 from acoustics.levels.sound_levels import sound_levels
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 WITHIN = 0.2  # dB, of the issue

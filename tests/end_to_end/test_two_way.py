@@ -12,15 +12,14 @@ import h5py
 import numpy as np
 import pytest
 
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
 from femstruct.model.probe import Probe
-from femstruct.study.result import StudyResult
-from femstruct.view.figures.energy_over_time import energy as energy_figure
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.run.run import run_study, without_rooms
+from femstruct.study.results import StudyResult
+from femstruct.view.histories import energy as energy_figure
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study, without_rooms
 
 STUDY = Path(__file__).parents[2] / "models" / "floor_two_way.study.yaml"
 # rigid in their planes as the element of the source, with which the frame was fitted and which the prototype had

@@ -8,17 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import Material, Plate, Structure, mesh_structure, read_study, run_study
-from femstruct.modal.steady.answers import HarmonicAnswer, RandomAnswer
+from femstruct.language.cases import read_study
+from femstruct.modal.steady import HarmonicAnswer, RandomAnswer
+from femstruct.model.materials import Material
+from femstruct.model.mesher import mesh_structure
+from femstruct.model.structure import Structure
+from femstruct.parts.plate import Plate
 from femstruct.study.recorded import LargestStress
-from femstruct.study.result import StudyResult
-from femstruct.view.figures.energy_over_time import energy
-from femstruct.view.figures.shaken_figures import vibration_answer
-from femstruct.view.scenes.labels import VIEW
-from femstruct.view.scenes.opengl import NoOpenGL
-from femstruct.view.scenes.stress_scene import picture_stresses
-from femstruct.view.tables.answer_tables import harmonic, moved_masses, random
-from femstruct.view.tables.terminal import study_tables
+from femstruct.study.results import StudyResult
+from femstruct.view.answer_tables import harmonic, moved_masses, random
+from femstruct.view.histories import energy
+from femstruct.view.model_scene import VIEW, NoOpenGL
+from femstruct.view.room_scene import picture_stresses
+from femstruct.view.spectra import vibration_answer
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.run import run_study
 
 MODEL = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}

@@ -7,7 +7,8 @@ from types import FrameType
 
 import pytest
 
-from femstruct import read_study, run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8").split("## Three walks")[1].split("\n## ")[0]

@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.study.result import CaseResult, StudyResult
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult, StudyResult
 from femstruct.study.study import Case
-from femstruct.workflow.run.case import run_case
-from femstruct.workflow.run.run import Kept, run_again, run_study
-from femstruct.workflow.run.watch import Round, rounds
+from femstruct.workflow.case import run_case
+from femstruct.workflow.run import Kept, run_again, run_study
+from femstruct.workflow.watch import Round, rounds
 
 ROOT = Path(__file__).parents[2]
 MODEL = """
@@ -169,7 +169,7 @@ def test_ctrl_c_in_the_middle_of_a_round_ends_the_watch(
             raise KeyboardInterrupt
         return run_case(case, *arguments, **options)
 
-    monkeypatch.setattr("femstruct.workflow.run.run.run_case", until_heavy)
+    monkeypatch.setattr("femstruct.workflow.run.run_case", until_heavy)
     with pytest.raises(KeyboardInterrupt):
         watched(study, tmp_path / "out")
     assert not (tmp_path / "out").exists()

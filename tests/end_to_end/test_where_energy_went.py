@@ -7,12 +7,12 @@ from pathlib import Path
 import h5py
 import pytest
 
-from femstruct.files.results_file.results import write_results
-from femstruct.files.tables.study_tables import summary
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.view.tables.terminal import show_study
-from femstruct.workflow.run.run import run_study
+from femstruct.files.results_file import write_results
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.view.terminal import show_study
+from femstruct.workflow.run import run_study
 
 MODEL = """
 structure: {type: modes, frequency: [100 Hz, 20 kHz], ratio: [1 %, 1 %], points: {P: [1.0, 1.0]}}

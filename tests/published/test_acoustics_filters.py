@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from acoustics.levels.bands import band_filter, octave_bands, ringing_time, third_octave_bands
-from acoustics.levels.filters import band_passes
+from acoustics.levels.bands import band_filter, band_passes, octave_bands, ringing_time, third_octave_bands
 from acoustics.levels.sound_levels import sound_levels
 from acoustics.levels.weighting import time_weighted
-from acoustics.rooms.continuation import faded
+from acoustics.rooms.box_pressure import faded
 
 RATE, SAMPLES = 48e3, 48000
 

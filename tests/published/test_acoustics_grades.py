@@ -9,14 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from acoustics import AcousticsError, impact_grade, inverse_a_level
-from acoustics.levels.jis_ks import (
+from acoustics.errors import AcousticsError
+from acoustics.levels.standards import (
     CURVE_50,
     HEAVY_OCTAVES,
     INVERSE_A,
     LIGHT_OCTAVES,
     grade_curve,
+    impact_grade,
     inverse_a_curve,
+    inverse_a_level,
     mean_of_places,
 )
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import sosfreqz
 
-from acoustics import sound_levels, third_octave_bands
-from acoustics.levels.bands import band_filter, octave_bands
+from acoustics.levels.bands import band_filter, octave_bands, third_octave_bands
+from acoustics.levels.sound_levels import sound_levels
 from acoustics.levels.weighting import frequency_weighting, time_weighted, weighted
 
 # IEC 61672-1:2013 table 3, A-weighting [dB] at nominal frequencies, rounded there to 0.1 dB

@@ -10,17 +10,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from acoustics import (
-    AcousticsError,
+from acoustics.errors import AcousticsError
+from acoustics.levels.standards import (
+    A_OCTAVES,
+    A_THIRDS,
+    CURVE_OCTAVES,
+    CURVE_THIRDS,
     energy_average,
+    fast_of_decay,
     heavy_impact_level,
     normalised_impact_level,
     standardised_impact_level,
     standardised_maximum_level,
-    time_weighted,
     weighted_impact_level,
 )
-from acoustics.levels.iso import A_OCTAVES, A_THIRDS, CURVE_OCTAVES, CURVE_THIRDS, fast_of_decay
+from acoustics.levels.weighting import time_weighted
 
 BARE = [62.1, 63.2, 63.5, 66.2, 68.5, 70.0, 71.7, 73.1, 73.8, 73.5, 73.8, 73.3, 73.1, 73.0, 72.4, 71.2]
 COVERED = [59.1, 59.5, 61.6, 63.2, 65.3, 66.5, 67.7, 67.0, 67.1, 66.5, 66.1, 62.5, 57.9, 52.7, 47.0, 48.0]

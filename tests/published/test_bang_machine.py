@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 PUBLISHED = {"150 mm": 60.0, "200 mm": 50.0}  # L-60 and L-50, slabs of 25 m^2 held at four sides

@@ -11,7 +11,9 @@ from numpy.polynomial.legendre import leggauss
 from scipy.linalg import block_diag, eigh
 from systems import press
 
-from femstruct import StudyResult, read_study, run_study
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 

@@ -9,7 +9,8 @@ import pytest
 from systems import boat, hull
 from systems import pinned_beam as pinned
 
-from femstruct import read_study, run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from femstruct.elements import frame, placement
+from femstruct.elements import frame, members
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "elements.json").read_text(encoding="utf-8"))
 TARGETS = REFERENCE["NAFEMS_targets_Hz"]
@@ -39,7 +39,7 @@ def test_fv4_cantilever_with_off_centre_point_masses():
     """Round bar of 0.5 m; 10 t and 1 t on rigid arms of 2 m to either side of the tip. A slender-beam target."""
     K, M = chain("euler", 20, np.pi * 0.25**2, np.pi * 0.25**4 / 4, np.pi * 0.25**4 / 2, 0.9)
     for mass, arm in ((1e4, 2.0), (1e3, -2.0)):
-        motion = placement.rigid_arms([[0, arm, 0]], [[0, 0, 0]])[0, :6, :6]
+        motion = members.rigid_arms([[0, arm, 0]], [[0, 0, 0]])[0, :6, :6]
         M[-6:, -6:] += mass * motion[:3].T @ motion[:3]
     got = frequencies_hz(K, M, range(6))[:6]
     np.testing.assert_allclose(got, TARGETS["FV4"], rtol=WITHIN)

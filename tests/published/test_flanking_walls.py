@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 SLAB, C0 = (20.0, 0.18 * 2400), 343.0  # m^2, kg/m^2; m/s

@@ -12,13 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
-from femstruct.language import read_model_file, read_study
+from femstruct.assembly.matrices import assemble
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
-from femstruct.study.result import StudyResult
-from femstruct.workflow.run.run import run_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"
 # rigid in their planes as the element of the source, with which the frame was fitted and which the prototype had

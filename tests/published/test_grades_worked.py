@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from acoustics.levels.jis_ks import CURVE_50, LIGHT_OCTAVES, impact_grade
+from acoustics.levels.standards import CURVE_50, LIGHT_OCTAVES, impact_grade
 
 
 def levels(*of_octaves: float) -> dict[float, float]:

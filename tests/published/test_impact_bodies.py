@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Link, Scene
+from femstruct.impact.response import Response
+from femstruct.impact.scene import Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes, oscillator
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes, oscillator
 
 RECORDS = json.loads((Path(__file__).parents[1] / "data" / "bodies_impact.json").read_text())
 

@@ -7,20 +7,24 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from acoustics.levels.exposure import force_exposure_levels
-from femstruct import read_study
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.impact.scene.impact_sources import (
+from acoustics.levels.sound_levels import force_exposure_levels
+from femstruct.impact.scene import (
     BANG_MACHINE,
     CONTACT_S,
     DROPPED,
     EXPOSURE_ALLOWED_DB,
+    GROUND,
     RESTITUTION,
     RUBBER_BALL,
+    Body,
+    Clock,
+    Contact,
+    Scene,
     StandardSource,
 )
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.language.cases import read_study
+from femstruct.modal.closed_form import given_modes
 
 NOTHING = given_modes([], [], {})[0]
 SAMPLING = 48e3

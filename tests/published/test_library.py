@@ -10,10 +10,9 @@ from typer.testing import CliRunner
 
 from femstruct.cli import app
 from femstruct.errors import InputError
-from femstruct.model.library.alike import alike
-from femstruct.model.library.all_entries import library, looked_up, matching
-from femstruct.model.library.library_entry import Use
-from femstruct.model.materials.orthotropic import Orthotropic
+from femstruct.model.library import Use
+from femstruct.model.library_entries import alike, library, looked_up, matching
+from femstruct.model.materials import Orthotropic
 
 # Thickness times critical frequency [m Hz] that Hopkins' table A2 prints beside speed, density and nu, at c = 343 m/s.
 CRITICAL = {

@@ -8,13 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import read_results, read_study, run_study, write_results
 from femstruct.errors import InputError, InputErrors
-from femstruct.files.tables.sheets import sheets
-from femstruct.files.tables.study_tables import summary
-from femstruct.impact.evaluations.perception import SAMPLES, perceived, weighting_at
-from femstruct.view.tables.terminal import study_tables
-from femstruct.workflow.check.inspect import inspect_file
+from femstruct.evaluations.perception import SAMPLES, perceived, weighting_at
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.sheets import sheets
+from femstruct.files.study_tables import summary
+from femstruct.language.cases import read_study
+from femstruct.view.terminal import study_tables
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.run import run_study
 
 NOMINAL = [1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3, 8, 10, 12.5, 16, 20, 25, 31.5, 40, 50, 63, 80]
 TABLES = {  # 1000 times the factor in third octaves from 1 to 80 Hz, and where

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics import normalised_impact_level, weighted_impact_level
-from acoustics.levels.iso import ImpactRating
 from acoustics.levels.rated import RatedRoom
-from femstruct.language import read_study
-from femstruct.study.result import StudyResult
-from femstruct.workflow.run.run import run_study
+from acoustics.levels.standards import ImpactRating, normalised_impact_level, weighted_impact_level
+from femstruct.language.cases import read_study
+from femstruct.study.results import StudyResult
+from femstruct.workflow.run import run_study
 
 STUDY = Path(__file__).parents[2] / "models" / "tapping.study.yaml"
 VOLUME = 4.2 * 3.1 * 2.5

@@ -14,18 +14,18 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from femstruct.impact.engine.records import CONSTANT, LINK
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.laws.hertz import CODE, Hertz
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.registry import CODES
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.result.response import Outcome, Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.compiled.records import CONSTANT, LINK
+from femstruct.impact.response import Outcome, Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.system import compile_scene
+from femstruct.laws.hertz import CODE, Hertz
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.registry import CODES
+from femstruct.laws.stop import Stop
 from femstruct.modal.basis import ModalBasis
+from femstruct.modal.closed_form import given_modes
 
 OPEN_LEDGER = 1e-8  # a ledger that is open by more must be a finding
 WINDOW, SAMPLES = 5e-3, 200

@@ -8,15 +8,15 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language import read_model_file
+from femstruct.language.models import read_model_file
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
 from femstruct.study.asked import Extent
-from femstruct.workflow.check.asked_modes import complex_modes_of, modes_of
-from femstruct.workflow.check.asked_response import frf_of
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.exchange.exported import To, exported
-from femstruct.workflow.judgement.structure_findings import structure_findings_before
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.exchange import Ending, exported
+from femstruct.workflow.model_answers import frf_of
+from femstruct.workflow.modes import complex_modes_of, modes_of
+from femstruct.workflow.structure_findings import structure_findings_before
 
 MODEL = """\
 title: two plates
@@ -198,7 +198,7 @@ def test_what_knows_the_structure_alone_refuses_its_air(tmp_path: Path) -> None:
         complex_modes_of(file, Extent(up_to_hz=100.0))
     with pytest.raises(FemstructError, match=r"--method: got 'direct' of a model with cavities"):
         frf_of(file, "P.z", "P.z", "10 Hz:20 Hz", "5 Hz", "", "direct")
-    formats: tuple[To, ...] = ("npz", "mtx")
+    formats: tuple[Ending, ...] = ("npz", "mtx")
     for to in formats:
         with pytest.raises(FemstructError, match=r"got a model with cavities, expected a structure without air"):
             exported(file, to, tmp_path, None, (), "", lambda line: None)

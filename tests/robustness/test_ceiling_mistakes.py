@@ -11,15 +11,15 @@ from typer.testing import CliRunner
 
 from femstruct.cli import app
 from femstruct.errors import InputError, InputErrors
-from femstruct.language import read_model_file
-from femstruct.model.material import Material
+from femstruct.language.models import read_model_file
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.section import rectangle
+from femstruct.model.sections import rectangle
 from femstruct.model.structure import Structure
 from femstruct.parts.frame import Frame
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.plate import Plate
-from femstruct.workflow.stages.positions import positioned
+from femstruct.workflow.bases import positioned
 
 TEXT = """\
 materials:

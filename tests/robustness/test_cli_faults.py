@@ -14,11 +14,13 @@ from scipy.sparse import csc_array
 from femstruct.cli import app
 from femstruct.errors import InputError, InputErrors, NotConverged
 from femstruct.exits import leave_with
-from femstruct.files.atomic import refuse_unwritable, replacing
+from femstruct.files.writing import refuse_unwritable, replacing
+from femstruct.impact import collocation as collocate
 from femstruct.impact import simulate
-from femstruct.impact.collocation import collocate
-from femstruct.language import read_model_file, read_study
-from femstruct.modal import krylov, solve
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
+from femstruct.modal import eigen as krylov
+from femstruct.modal import eigen as solve
 
 MODELS = Path(__file__).parents[2] / "models"
 OSCILLATOR, STUDY = str(MODELS / "oscillator.yaml"), str(MODELS / "three_bodies.study.yaml")

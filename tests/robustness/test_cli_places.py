@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.files.atomic import refuse_unwritable
+from femstruct.files.writing import refuse_unwritable
 
 
 def test_a_folder_with_too_long_a_name_is_refused(tmp_path: Path) -> None:

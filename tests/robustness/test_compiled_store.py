@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from femstruct.compiled import store
+from femstruct.compiled import store as workers
+from femstruct.compiled.store import code_of, compilation
 from femstruct.errors import FemstructError
-from femstruct.impact.compiled import store, workers
-from femstruct.impact.compiled.workers import code_of, compilation
-from femstruct.impact.engine.sampling import feel
+from femstruct.impact.ledger import feel
 
 ROOT = Path(__file__).parents[2]
 
@@ -70,7 +71,7 @@ def test_a_command_survives_damaged_code(elsewhere: Path, piece: bytes) -> None:
     store.keep(feel, piece, store.folder())
     (path,) = elsewhere.glob("*.unit")
     path.write_bytes(b"noise" * 100)
-    code = "from femstruct.impact.engine.sampling import feel\nfrom femstruct.impact.compiled.workers import code_of\n"
+    code = "from femstruct.impact.ledger import feel\nfrom femstruct.compiled.store import code_of\n"
     code += "code_of([feel])"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert ran.stderr.count("is damaged") == 1 and "Traceback" not in ran.stderr
@@ -88,9 +89,9 @@ def test_the_next_folder_is_taken_where_one_cannot_be_written(tmp_path: Path, mo
 def test_a_folder_of_one_process_goes_with_it(tmp_path: Path) -> None:
     """Where no folder can be written; its code is used while the process lives."""
     (tmp_path / "file").touch()
-    code = "from pathlib import Path\nfrom femstruct.impact.compiled import store\n"
+    code = "from pathlib import Path\nfrom femstruct.compiled import store\n"
     code += f"store.folders = lambda: (Path({str(tmp_path / 'file')!r}) / 'kernels',)\n"
-    code += "from femstruct.impact.engine.sampling import feel\n"
+    code += "from femstruct.impact.ledger import feel\n"
     code += "store.keep(feel, b'code', store.folder())\nassert store.kept(feel) == b'code'\nprint(store.folder())"
     ran = subprocess.run(
         [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, cwd=ROOT, check=True

@@ -12,16 +12,15 @@ import numpy as np
 import pytest
 
 from femstruct.errors import FemstructError, InputError
-from femstruct.files.atomic import replacing
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.writing import replacing
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))
 KILLER = """
 import json, os, pathlib, random, runpy, signal, sys, time
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
+from femstruct.files.results_file import write_results
+from femstruct.files.results_file import read_results
 make = runpy.run_path(sys.argv[1])["study_by_hand"]
 path = pathlib.Path(sys.argv[2])
 results = [make(duration=2.0, sampling=9600.0, tag=float(tag)) for tag in (1, 2)]
@@ -51,7 +50,7 @@ print(json.dumps([seen, halves, len(list(path.parent.iterdir()))]))
 LIMITED = """
 import resource, runpy, signal, sys
 from femstruct.errors import FemstructError
-from femstruct.files.results_file.results import write_results
+from femstruct.files.results_file import write_results
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 try:
@@ -64,7 +63,7 @@ except FemstructError as error:
 DAMAGED = """
 import pathlib, random, sys
 from femstruct.errors import InputError
-from femstruct.files.results_file.stored import read_results
+from femstruct.files.results_file import read_results
 path = pathlib.Path(sys.argv[1])
 whole, chance, step = path.read_bytes(), random.Random(1), int(sys.argv[2])
 def refused(data):

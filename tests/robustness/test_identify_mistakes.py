@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import MeasuredFiles, identify
 from femstruct.errors import FemstructError
-from femstruct.files.inputs.measured_frequencies import read_frequencies
-from femstruct.workflow.identify.parameters import parameters_of
+from femstruct.files.measured_frequencies import read_frequencies
+from femstruct.workflow.identify import identify
+from femstruct.workflow.measured_data import MeasuredFiles
+from femstruct.workflow.trial import parameters_of
 
 FLOOR = Path(__file__).parents[1] / "data" / "floor_to_fit.yaml"
 DROP = Path(__file__).parents[2] / "models" / "tennis_ball_drop.study.yaml"
@@ -213,8 +214,8 @@ def test_a_path_of_a_model_that_is_not_there(tmp_path: Path) -> None:
 
 def test_a_mode_that_the_model_does_not_have_is_no_pair(tmp_path: Path) -> None:
     """A shape like none: the finding names its frequency."""
-    from femstruct import MeasuredModes, write_uff
-    from femstruct.modal.measured.measurement import Measurement
+    from femstruct.files.uff import write_uff
+    from femstruct.modal.measured import MeasuredModes, Measurement
 
     places = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
     shapes = np.zeros((5, 3, 2))

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.cubic import Cubic
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
+from femstruct.laws.tabulated import Tabulated
+from femstruct.modal.closed_form import given_modes
 
 SYSTEMS = 200
 FACTORED = 30

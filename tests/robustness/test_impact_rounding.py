@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 import femstruct.impact.simulate as engine
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.engine.sampling import TRIALS
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.result.response import Response
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.ledger import TRIALS
+from femstruct.impact.response import Response
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
+from femstruct.modal.closed_form import given_modes
 
 FREE = given_modes([], [], {})[0]
 

@@ -9,13 +9,13 @@ import time
 import numpy as np
 import pytest
 
-import femstruct.impact.collocation.collocate as march
+import femstruct.impact.collocation as march
 from femstruct.errors import NotConverged
-from femstruct.impact.batch.batch import simulate_batch
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Link, Scene
+from femstruct.impact.batch import simulate_batch
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.hertz import Hertz
+from femstruct.modal.closed_form import given_modes
 
 FREE = given_modes([], [], {})[0]
 

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.inputs.columns import read_measured
-from femstruct.language import read_any, read_model_file, read_study
+from femstruct.files.columns import read_measured
+from femstruct.language.cases import read_any, read_study
+from femstruct.language.models import read_model_file
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 LOAD = "loads: {push: {at: m.z, file: %s}}\ntime: {duration: 10 ms, sampling: 1 kHz}\n"

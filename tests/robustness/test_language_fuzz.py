@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_any, read_model_file, read_study
+from femstruct.language.cases import read_any, read_study
+from femstruct.language.models import read_model_file
 
 MODELS = Path(__file__).parents[2] / "models"
 MODEL = YAML(typ="safe", pure=True).load((MODELS / "floor_frame_slab.yaml").read_text(encoding="utf-8"))

@@ -10,10 +10,11 @@ from typing import Any
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.language.model.model import ModelSpec
-from femstruct.language.study.study import StudySpec
-from femstruct.language.yaml import Mistakes, Tree, read_yaml, validate
+from femstruct.language.cases import read_study
+from femstruct.language.model_file import ModelSpec
+from femstruct.language.studies import StudySpec
+from femstruct.yaml.reader import Mistakes, Tree, read_yaml
+from femstruct.yaml.validation import validate
 
 FILES = sorted(Path(__file__).parents[2].joinpath("models").glob("*.yaml"))
 NAMED = {

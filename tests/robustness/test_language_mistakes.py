@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_model_file, read_study
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
 
 MODELS = Path(__file__).parents[2] / "models"
 MODEL, STUDY = "floor_frame_slab.yaml", "floor_tennis_ball.study.yaml"

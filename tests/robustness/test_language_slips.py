@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.campaign.tried import campaigns_of
+from femstruct.campaign.designs import campaigns_of
 from femstruct.errors import InputError, InputErrors
-from femstruct.impact.result.fatigue import SNLine
-from femstruct.language import read_model_file, read_study
-from femstruct.language.campaigns import read_campaign
-from femstruct.language.searches import read_search
+from femstruct.impact.fatigue import SNLine
+from femstruct.language.campaigns import read_campaign, read_search
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
 from femstruct.units import QuantityError, quantity
-from femstruct.workflow.run.run import run_study
+from femstruct.workflow.run import run_study
 
 MODEL = """\
 title: Small plate

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.language import read_study
-from femstruct.workflow.run.run import run_study
-from femstruct.workflow.stages.positions import positioned
+from femstruct.language.cases import read_study
+from femstruct.workflow.bases import positioned
+from femstruct.workflow.run import run_study
 
 PLATE = """
 materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}

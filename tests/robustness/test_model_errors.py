@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.model.material import Material
+from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.region import Region
-from femstruct.model.section import circle
+from femstruct.model.regions import Region
+from femstruct.model.sections import circle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame

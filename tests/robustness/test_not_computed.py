@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct import read_study, run_study
 from femstruct.errors import FemstructError
-from femstruct.study.result import CaseResult
+from femstruct.language.cases import read_study
+from femstruct.study.results import CaseResult
+from femstruct.workflow.run import run_study
 from tests.independent.vibration import shock_spectrum
 
 BLOCK = """

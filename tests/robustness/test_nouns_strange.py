@@ -15,7 +15,7 @@ import femstruct as fs
 from acoustics.fields.rectangular import Room
 from acoustics.receivers import Receiver
 from femstruct.errors import FemstructError, InputError
-from femstruct.model.imported.imported_mesh import Stated, StatedHold
+from femstruct.model.imported_mesh import Stated, StatedHold
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 SPRUCE = fs.Orthotropic("spruce", E=(11e9, 370e6), G=(690e6, 50e6), nu=0.35, rho=420.0)

@@ -7,8 +7,7 @@ import pytest
 from femstruct.campaign.forecast import planned, planned_search
 from femstruct.campaign.optimise import optimise
 from femstruct.errors import InputErrors
-from femstruct.language.campaigns import read_campaign
-from femstruct.language.searches import read_search
+from femstruct.language.campaigns import read_campaign, read_search
 
 IN_FILE = {
     "{vary: {a.b: {from: 1, to: 2}}}": "got none of minimise, maximise",

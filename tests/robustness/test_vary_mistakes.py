@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from femstruct import optimise, sweep
 from femstruct.campaign.forecast import planned
+from femstruct.campaign.optimise import optimise
+from femstruct.campaign.sweep import sweep
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.language.campaigns import read_campaign
-from femstruct.language.searches import read_search
-from femstruct.study.campaign.varied import Listed
-from femstruct.view.campaigns.swept_table import swept_pieces
+from femstruct.language.campaigns import read_campaign, read_search
+from femstruct.language.cases import read_study
+from femstruct.study.campaigns import Listed
+from femstruct.view.campaign_answers import swept_pieces
 
 IN_FILE = {
     "{from: 1 kg, to: 2 kg, step: 3}": "vary.a.b.step: got the unknown key 'step'",

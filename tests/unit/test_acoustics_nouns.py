@@ -8,27 +8,20 @@ import sys
 import numpy as np
 import pytest
 
-from acoustics import (
-    AcousticsError,
-    Air,
-    Losses,
-    Receiver,
-    Room,
-    RoomResponse,
-    SurfaceVelocity,
-    air_stiffness_ratio,
-    level_spectrum,
-    losses_from_beta,
-    losses_from_loss_factor,
-    losses_from_t60,
-    modal_damping_ratio,
-    pressure,
-    pressure_map,
-    sound_levels,
-    third_octave_bands,
-)
-from acoustics.rooms.cosine_orders import band_orders
+from acoustics.air import Air
+from acoustics.errors import AcousticsError
+from acoustics.fields.rectangular import Room
+from acoustics.fields.sound_field import air_stiffness_ratio
+from acoustics.levels.bands import third_octave_bands
+from acoustics.levels.sound_levels import level_spectrum, sound_levels
+from acoustics.losses import Losses, losses_from_beta, losses_from_loss_factor, losses_from_t60, modal_damping_ratio
+from acoustics.receivers import Receiver
+from acoustics.room_response import RoomResponse
+from acoustics.rooms.box import band_orders
+from acoustics.rooms.box_harmonic import pressure_map
+from acoustics.rooms.box_pressure import pressure
 from acoustics.rooms.room_advice import third_octave_missed_db
+from acoustics.source import SurfaceVelocity
 
 ROUNDING = 1e-12  # rounding: 3e-15 here at most
 

@@ -7,25 +7,27 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from acoustics import (
-    AcousticsError,
-    Losses,
-    Room,
-    equivalent_levels,
+from acoustics.errors import AcousticsError
+from acoustics.fields.rectangular import Room
+from acoustics.levels.bands import octave_bands, shown, third_octave_bands
+from acoustics.levels.rated import rate_room
+from acoustics.levels.sound_levels import equivalent_levels, level_history, sound_levels
+from acoustics.levels.standards import (
+    A_THIRDS,
+    CURVE_THIRDS,
+    HEAVY_OCTAVES,
+    STANDARDS,
+    Blows,
+    equal_parts,
     heavy_impact_level,
-    level_history,
-    losses_from_t60,
-    octave_bands,
-    rate_room,
-    sound_levels,
-    third_octave_bands,
+    method_of,
+    rating_of,
+    refuse_source,
+    shifted_curve,
+    single_number,
     weighted_impact_level,
 )
-from acoustics.levels.ending import shown
-from acoustics.levels.iso import A_THIRDS, CURVE_THIRDS, equal_parts, shifted_curve
-from acoustics.levels.jis_ks import HEAVY_OCTAVES
-from acoustics.levels.methods import STANDARDS, Blows, method_of, rating_of, refuse_source
-from acoustics.levels.single_number import single_number
+from acoustics.losses import Losses, losses_from_t60
 
 ROUNDING = 1e-10  # rounding: 7e-15 here at most
 

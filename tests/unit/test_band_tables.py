@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.files.inputs.band_tables import read_bands
-from femstruct.files.inputs.columns import read_history
-from femstruct.files.inputs.measured_frequencies import read_frequencies
-from femstruct.language import read_study
+from femstruct.files.band_tables import read_bands
+from femstruct.files.columns import read_history
+from femstruct.files.measured_frequencies import read_frequencies
+from femstruct.language.cases import read_study
 
 WANTED = {50.0: 0.52, 63.0: 0.48, 1000.0: 0.4, 1250.0: 0.41}
 TABLES = {

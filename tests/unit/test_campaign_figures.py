@@ -5,14 +5,11 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from femstruct.campaign.gathered import unit_in
-from femstruct.study.campaign.spread import spread
-from femstruct.study.campaign.swept import Swept
+from femstruct.campaign.tasks import unit_in
+from femstruct.study.campaigns import Swept, spread
 from femstruct.study.study import Plan
-from femstruct.view.campaigns.bands_figure import bands_figure
-from femstruct.view.campaigns.parallel_figure import swept_parallel
-from femstruct.view.campaigns.swept_figure import edges, swept_figure
-from femstruct.view.campaigns.swept_table import swept_pieces
+from femstruct.view.campaign_answers import swept_pieces
+from femstruct.view.campaign_figures import bands_figure, edges, swept_figure, swept_parallel
 
 N = 16
 LEVELS = tuple(f"levels / hall.mic / bands_db / {band}" for band in ("63", "125", "250"))

@@ -11,19 +11,16 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from femstruct.impact.batch.batch_march import run_many
-from femstruct.impact.collocation.collocate import state_at_start
-from femstruct.impact.collocation.collocation_march import march
-from femstruct.impact.compiled.byte_layout import Matrix, Vector, laid_out, layout_of
-from femstruct.impact.compiled.kernels import Unit, kernels_of, unit, units_called
-from femstruct.impact.engine.needed_units import ALL
-from femstruct.impact.engine.sampling import room_for
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.exact.exact_constants import exact_room, exact_rule
-from femstruct.impact.exact.exact_march import exact_march
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
-from femstruct.modal.analytic import given_modes
+from femstruct.compiled.kernels import Matrix, Unit, Vector, kernels_of, laid_out, layout_of, unit, units_called
+from femstruct.impact.batch_march import run_many
+from femstruct.impact.collocation import march, state_at_start
+from femstruct.impact.exact import exact_march, exact_room, exact_rule
+from femstruct.impact.ledger import room_for
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.simulate import ALL
+from femstruct.impact.system import compile_scene
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
 
 ROOT = Path(__file__).parents[2]
 
@@ -113,10 +110,10 @@ def test_machine_code_and_python_agree() -> None:
 def test_a_simulation_needs_no_compiler() -> None:
     """numba takes half a second to import: only processes that compile do."""
     code = (
-        "import sys\nfrom femstruct.impact.compiled.workers import code_of\n"
-        "from femstruct.impact.engine.needed_units import ALL\n"
-        "from femstruct.impact.scene.bodies import *\nfrom femstruct.impact.laws.hertz import Hertz\n"
-        "from femstruct.impact.simulate import simulate\nfrom femstruct.modal.analytic import given_modes\n"
+        "import sys\nfrom femstruct.compiled.store import code_of\n"
+        "from femstruct.impact.simulate import ALL\n"
+        "from femstruct.impact.scene import *\nfrom femstruct.laws.hertz import Hertz\n"
+        "from femstruct.impact.simulate import simulate\nfrom femstruct.modal.closed_form import given_modes\n"
         "scene = Scene((Body('b', 1.0, -1.0),), (Contact('c', 'b', GROUND, Hertz(1e6)),))\n"
         "simulate(given_modes([], [], {})[0], scene, Clock(0.02, 1e4))\nassert 'numba' not in sys.modules"
     )

@@ -8,14 +8,12 @@ from pathlib import Path
 import pytest
 
 import femstruct as fs
+from femstruct.decks import abaqus, nastran, nastran_cards
 from femstruct.errors import Finding, InputError
-from femstruct.files.inputs.mesh_files.abaqus import abaqus_file, abaqus_words
-from femstruct.files.inputs.mesh_files.nastran import nastran_file, nastran_words
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.imported.stated.left_out import HARMLESS, Makes
-from femstruct.model.imported.stated.unused import unused_findings
-from femstruct.model.materials.lay_up import Laminate, Layer
-from femstruct.model.section import rectangle
+from femstruct.model.imported_mesh import HARMLESS, ImportedMesh, Makes
+from femstruct.model.lay_ups import Laminate, Layer
+from femstruct.model.sections import rectangle
+from femstruct.model.unused import unused_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 NODES = [(1 + i + 3 * j, 0.5 * i, 0.5 * j) for j in range(3) for i in range(3)]
@@ -186,8 +184,8 @@ def test_a_composite_is_named_with_what_to_write(tmp_path: Path) -> None:
 
 
 def every_card() -> list[str]:
-    known = (*nastran_words.WITHOUT_EFFECT, *nastran_words.LEFT_OUT)
-    assert not set(known) & {*nastran_file._CELLS, *nastran_file._READERS}
+    known = (*nastran_cards.WITHOUT_EFFECT, *nastran_cards.LEFT_OUT)
+    assert not set(known) & {*nastran._CELLS, *nastran._READERS}
     return [*known, *(f"XQ{n}" for n in range(100))]
 
 
@@ -198,22 +196,22 @@ def test_no_card_is_passed_over(tmp_path: Path) -> None:
     found = {one.what: one for one in mesh.stated.left_out}
     assert set(cards) <= set(found) and all(found[one].count == 1 and found[one].line for one in cards)
     for one in cards:
-        none, left = one in nastran_words.WITHOUT_EFFECT, nastran_words.LEFT_OUT.get(one)
+        none, left = one in nastran_cards.WITHOUT_EFFECT, nastran_cards.LEFT_OUT.get(one)
         assert (
             found[one].makes is (Makes.NOTHING if none else left[0] if left else Makes.UNKNOWN) and found[one].changes
         )
     shown = "".join(one.message for one in told(mesh) if one.code == "mesh-without-effect")
-    assert all(f"1 {one} (line" in shown for one in nastran_words.WITHOUT_EFFECT)
+    assert all(f"1 {one} (line" in shown for one in nastran_cards.WITHOUT_EFFECT)
 
 
 def test_no_keyword_is_passed_over(tmp_path: Path) -> None:
-    words = [*abaqus_words.WITHOUT_EFFECT, *abaqus_words.LEFT_OUT, *(f"XQ{n}" for n in range(100))]
-    assert not set(words) & {*abaqus_file._READERS, *abaqus_file._MOVES}
+    words = [*abaqus.WITHOUT_EFFECT, *abaqus.LEFT_OUT, *(f"XQ{n}" for n in range(100))]
+    assert not set(words) & {*abaqus._READERS, *abaqus._MOVES}
     outside = [one for one in words if one not in ("STEP", "STATIC", "FREQUENCY")]
     mesh = mesh_of(tmp_path, inp(more="\n".join(f"*{one}" for one in outside)))
     found = {one.what: one for one in mesh.stated.left_out}
     for one in outside:
-        none, left = one in abaqus_words.WITHOUT_EFFECT, abaqus_words.LEFT_OUT.get(one)
+        none, left = one in abaqus.WITHOUT_EFFECT, abaqus.LEFT_OUT.get(one)
         got = found[f"*{one}"]
         assert got.count == 1 and got.changes
         assert got.makes is (Makes.NOTHING if none else left[0] if left else Makes.UNKNOWN)
@@ -221,7 +219,7 @@ def test_no_keyword_is_passed_over(tmp_path: Path) -> None:
     assert {one.what for one in in_step.stated.left_out} >= set(found)
 
 
-@pytest.mark.parametrize("card", sorted({*nastran_file._CELLS, *nastran_file._READERS} - {"PARAM", "GRDSET"}))
+@pytest.mark.parametrize("card", sorted({*nastran._CELLS, *nastran._READERS} - {"PARAM", "GRDSET"}))
 def test_no_field_is_passed_over(card: str, tmp_path: Path) -> None:
     """A field far behind all that a card has is refused, or named; lists of numbers take it."""
     lists = ("RBE2", "RBE3", "SPC1", "SPCADD", "SET1", "SET3", "PCOMP", "PCOMPG")

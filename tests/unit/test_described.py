@@ -12,15 +12,15 @@ import h5py
 import numpy as np
 import pytest
 
+from acoustics.levels.sound_energy import SoundEnergy
 from acoustics.levels.sound_levels import Levels, sound_levels
-from acoustics.open_air.sound_energy import SoundEnergy
 from acoustics.reported import Reported as HeardReported
-from femstruct.files.results_file.datasets import axis
-from femstruct.files.tables.described import columns, described, write_described, write_held, write_rows
-from femstruct.impact.estimate import Resolved
-from femstruct.impact.result.response import Blow, BodyHistory, ContactHistory
+from femstruct.files.datasets import axis
+from femstruct.files.described import columns, described, write_described, write_held, write_rows
+from femstruct.impact.numerical_error import Resolved
+from femstruct.impact.response import Blow, BodyHistory, ContactHistory
 from femstruct.reported import OWN_UNIT, Held, Reported, reported
-from femstruct.sound.power import Radiated
+from femstruct.sound.radiated_power import Radiated
 
 NOUNS = (Levels, SoundEnergy, ContactHistory, BodyHistory, Blow, Resolved, Radiated)
 

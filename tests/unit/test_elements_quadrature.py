@@ -2,7 +2,7 @@
 
 import pytest
 
-from femstruct.elements.quadrature import gauss_interval
+from femstruct.elements.polynomials import gauss_interval
 
 
 @pytest.mark.parametrize("n", [1, 2, 4])

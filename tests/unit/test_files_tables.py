@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import Finding
-from femstruct.files.tables.finding_tables import findings_by_case
-from femstruct.files.tables.study_tables import summary
+from femstruct.files.study_tables import summary
+from femstruct.files.tables import findings_by_case
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 

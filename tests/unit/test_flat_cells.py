@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.model.imported.cell_kinds import KINDS
-from femstruct.model.imported.flat_cells import area_vectors, flat_cells, nodes_at_one_place
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.imported.nearest import nearest_places
-from femstruct.model.region import Region
+from femstruct.model.flat_cells import area_vectors, flat_cells, nodes_at_one_place
+from femstruct.model.imported_mesh import KINDS, ImportedMesh
+from femstruct.model.regions import Region
+from femstruct.model.shell_cells import nearest_places
 
 CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])[[0, 1, 3, 2, 4, 5, 7, 6]]
 

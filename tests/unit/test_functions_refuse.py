@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import femstruct as fs
-from acoustics import AcousticsError, Room
+from acoustics.errors import AcousticsError
+from acoustics.fields.rectangular import Room
 from femstruct.conventions import UZ
 from femstruct.errors import FemstructError, InputError
 

@@ -6,18 +6,18 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from femstruct.impact.collocation.collocate import state_at_start
-from femstruct.impact.engine.energy import stored
-from femstruct.impact.engine.instant_forces import CLOSED
-from femstruct.impact.engine.system import compile_scene
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import GROUND, Body, Clock, Contact, Scene
+from femstruct.impact.collocation import state_at_start
+from femstruct.impact.ledger import stored
+from femstruct.impact.propagation import CLOSED
+from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.system import compile_scene
+from femstruct.laws.cubic import Cubic
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
 
 FREE = given_modes([], [], {})[0]
 PRELOAD = 4.2

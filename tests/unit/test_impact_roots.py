@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import polynomial
 
-from femstruct.impact.exact.exact_constants import DEPTH, ORDER, exact_rule
-from femstruct.impact.exact.roots import NEVER, first_descent, stays_positive
+from femstruct.impact.exact import DEPTH, NEVER, ORDER, exact_rule, first_descent, stays_positive
 
 
 def first(roots: list[float], scale: float = 1.0, order: int = ORDER, lead: int = 0) -> float:

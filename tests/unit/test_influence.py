@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 import scipy
 
-from femstruct.campaign.samples import samples_of
+from femstruct.campaign.tasks import samples_of
 from femstruct.errors import InputError
-from femstruct.study.campaign.influence import influences
-from femstruct.study.campaign.spread import spread
-from femstruct.study.campaign.swept import Swept
-from femstruct.study.campaign.varied import Campaign, Sampling, Scattered
+from femstruct.study.campaigns import Campaign, Sampling, Scattered, Swept, influences, spread
 
 ANGLES = tuple(Scattered(f"x{j}", "uniform", -np.pi, np.pi) for j in range(3))
 

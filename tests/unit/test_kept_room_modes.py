@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics.rooms import box_two_way
+from acoustics.rooms import box_coupling as box_two_way
 from acoustics.rooms.box import Box, room_modes
-from acoustics.rooms.box_two_way import MOST, NO_END, kept_modes
+from acoustics.rooms.box_coupling import MOST, NO_END, kept_modes
 
 _NO_END = np.full(3, NO_END)
 

@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.scene.bodies import HalfSine, Table
-from femstruct.language import read_model_file, read_study, with_position
+from femstruct.impact.scene import HalfSine, Table
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file, with_position
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
 from femstruct.model.structure import Structure
 from femstruct.parts.mass import Mass
 from femstruct.study.asked import Spot

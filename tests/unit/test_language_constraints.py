@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from femstruct import Average, Equation, Region, RigidLink
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import InputErrors
 from femstruct.language.models import read_model
+from femstruct.model.constraints import Average, Equation, RigidLink
+from femstruct.model.regions import Region
 
 MODEL = """
 materials:

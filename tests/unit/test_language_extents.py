@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.workflow.check.inspect import inspect_file
-from femstruct.workflow.run.run import run_study
+from femstruct.language.cases import read_study
+from femstruct.workflow.check import inspect_file
+from femstruct.workflow.run import run_study
 
 GIVEN = "structure: {type: modes, frequency: [6 Hz, 95 Hz], ratio: [4 %, 1 %], points: {bed: [0.02, 0.018]}}\n"
 ROD = "structure: {type: rod, length: 2 m, E: 206 GPa, rho: 7850, area: 3.14e-4, modes: 4}\npoints: {end: {at: 0}}\n"

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from femstruct import read_study
 from femstruct.errors import InputError, InputErrors
-from femstruct.language import json_schema
-from femstruct.workflow.stages.modal_bases import solve_all
-from femstruct.workflow.stages.staging import scene
+from femstruct.language.cases import json_schema, read_study
+from femstruct.workflow.bases import solve_all
+from femstruct.workflow.staging import scene
 
 MODEL = """structure:
   type: modes

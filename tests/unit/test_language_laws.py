@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.impact.laws.cubic import Cubic
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.laws.lankarani_nikravesh import LankaraniNikravesh
-from femstruct.impact.laws.law import Law
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.laws.stop import Stop
-from femstruct.impact.laws.tabulated import Tabulated
-from femstruct.language import json_schema, read_study
-from femstruct.language.laws.known_laws import KINDS
-from femstruct.workflow.run.run import run_study
+from femstruct.language.bodies import LAW_KINDS
+from femstruct.language.cases import json_schema, read_study
+from femstruct.laws.cubic import Cubic
+from femstruct.laws.hertz import Hertz
+from femstruct.laws.hunt_crossley import HuntCrossley
+from femstruct.laws.lankarani_nikravesh import LankaraniNikravesh
+from femstruct.laws.law import Law
+from femstruct.laws.linear import Linear
+from femstruct.laws.stop import Stop
+from femstruct.laws.tabulated import Tabulated
+from femstruct.workflow.run import run_study
 
 SHIPPED = Path(__file__).parents[2] / "models" / "contact_laws.study.yaml"
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
@@ -112,7 +112,7 @@ def test_two_bodies_meet_with_their_reduced_mass_and_a_drop_tells_the_speed(tmp_
     assert dropped == HuntCrossley.returning(0.5, sqrt(2 * 9.80665 * 0.1), 1e8)
 
 
-WORDS = [get_args(kind.model_fields["type"].annotation)[0] for kind in KINDS]
+WORDS = [get_args(kind.model_fields["type"].annotation)[0] for kind in LAW_KINDS]
 WRONG = {  # law: what stands where the message points, the message
     "{type: linear, stiffness: 1, damping: 2, restitution: 0.5}": ("{type", "got both damping and restitution, expected"
         " exactly one of damping, restitution; remove all but one"),

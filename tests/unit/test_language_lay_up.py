@@ -10,17 +10,16 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_model_file
+from femstruct.language.models import read_model_file
 from femstruct.modal.damping import Damping
-from femstruct.model.material import Material
-from femstruct.model.materials.lay_up import Laminate, Layer, Smeared
-from femstruct.model.materials.orthotropic import Orthotropic
-from femstruct.model.materials.timber import timber
+from femstruct.model.lay_ups import Laminate, Layer, Smeared
+from femstruct.model.materials import Material, Orthotropic, timber
 from femstruct.model.structure import Structure
 from femstruct.parts.plate import Plate
+from femstruct.study.asked import Extent
 from femstruct.study.inputs import inputs
-from femstruct.study.study import Extent, Study
-from femstruct.view.page.input_tables import input_tables
+from femstruct.study.study import Study
+from femstruct.view.page import input_tables
 
 DECK = """
 materials:

@@ -11,12 +11,9 @@ from typer.testing import CliRunner
 
 from femstruct.cli import app
 from femstruct.errors import InputErrors
-from femstruct.language import read_model_file
-from femstruct.language.models import read_model
-from femstruct.language.parts.block import BlockSpec
-from femstruct.language.parts.plate import PlateSpec
-from femstruct.language.parts.spring import SpringSpec
-from femstruct.model.region import Region
+from femstruct.language.models import read_model, read_model_file
+from femstruct.language.parts import BlockSpec, PlateSpec, SpringSpec
+from femstruct.model.regions import Region
 from femstruct.model.structure import PlaceOn, Structure
 from femstruct.parts.block import Block
 from femstruct.parts.foundation import Foundation

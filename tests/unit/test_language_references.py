@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_study
-from femstruct.language.model.model import ModelSpec
-from femstruct.language.study.study import StudySpec
-from femstruct.language.yaml.references import found, references
+from femstruct.language.cases import read_study
+from femstruct.language.model_file import ModelSpec
+from femstruct.language.studies import StudySpec
+from femstruct.yaml.spec import found, references
 
 STUDY = """
 model: {model}

@@ -11,10 +11,10 @@ from acoustics.fields.half_space import HalfSpace
 from acoustics.fields.rectangular import Room
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.errors import InputErrors
-from femstruct.language import json_schema, read_study
-from femstruct.language.rooms.known_rooms import KINDS
-from femstruct.language.rooms.room import RoomSpec
-from femstruct.language.yaml.reader import read_yaml
+from femstruct.language.cases import json_schema, read_study
+from femstruct.language.rooms import RoomSpec
+from femstruct.language.studies import ROOM_KINDS
+from femstruct.yaml.reader import read_yaml
 
 MODEL = """
 materials: {wood: {E: 10 GPa, nu: 0.3, rho: 500}}
@@ -86,12 +86,12 @@ def test_an_editor_takes_a_room_for_one_kind_alone(tmp_path: Path, keys: str) ->
     path = tmp_path / "room.yaml"
     path.write_text(f"{{{keys}}}")
     schema = json_schema("study")["$defs"]
-    assert sum(fits(schema[kind.__name__], read_yaml(path).value) for kind in KINDS) == 1
+    assert sum(fits(schema[kind.__name__], read_yaml(path).value) for kind in ROOM_KINDS) == 1
 
 
 def test_every_kind_is_in_the_schema_with_its_own_keys() -> None:
     kinds = json_schema("study")["$defs"]
-    assert {kind.__name__ for kind in KINDS} <= kinds.keys()
+    assert {kind.__name__ for kind in ROOM_KINDS} <= kinds.keys()
     assert "directivity" in kinds["HalfSpaceSpec"]["properties"]
     assert not {"directivity", "mesh"} & kinds["BoxRoomSpec"]["properties"].keys()
 

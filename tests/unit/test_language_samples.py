@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.impact.laws.hertz import Hertz
-from femstruct.language import ModelFile, json_schema, read_any, read_model_file, read_study
+from femstruct.language.cases import json_schema, read_any, read_study
+from femstruct.language.models import ModelFile, read_model_file
+from femstruct.laws.hertz import Hertz
 from femstruct.modal.damping import Ratio
-from femstruct.model.region import Region
+from femstruct.model.regions import Region
 from femstruct.model.structure import Structure
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame

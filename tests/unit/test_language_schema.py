@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from acoustics.levels.methods import STANDARDS
-from femstruct.language import json_schema
-from femstruct.language.yaml.reader import read_yaml
+from acoustics.levels.standards import STANDARDS
+from femstruct.language.cases import json_schema
+from femstruct.yaml.reader import read_yaml
 
 MODELS = Path(__file__).parents[2] / "models"
 TYPES: dict[str, type | tuple[type, ...]] = {

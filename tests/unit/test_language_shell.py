@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.language import read_model_file
-from femstruct.language.models import read_model
-from femstruct.language.parts.inertia import InertiaSpec
-from femstruct.model.region import Region
+from femstruct.language.models import read_model, read_model_file
+from femstruct.language.parts import InertiaSpec
+from femstruct.model.regions import Region
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
 from femstruct.parts.shell import Shell
 from femstruct.study.asked import Extent
-from femstruct.workflow.check.asked_modes import modes_of
+from femstruct.workflow.modes import modes_of
 
 MESH = """*NODE
 1, 0, 0, 0

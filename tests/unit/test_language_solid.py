@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from femstruct import Orthotropic, Solid
 from femstruct.errors import InputErrors
 from femstruct.language.models import read_model
+from femstruct.model.materials import Orthotropic
+from femstruct.parts.solid import Solid
 from femstruct.study.asked import Extent
-from femstruct.workflow.check.asked_modes import modes_of
+from femstruct.workflow.modes import modes_of
 
 MESH = """*NODE
 1, 0, 0, 0

@@ -4,125 +4,57 @@ import ast
 import re
 import subprocess
 import sys
-import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 import femstruct
-from femstruct.impact.laws.registry import LAWS
+from femstruct.laws.registry import LAWS
 
 ROOT = Path(__file__).parents[2]
 
-# A module may import from lower layers, and from names of its own layer to its left.
+# Folders, and modules in none. Each imports from earlier lines alone; two of one line do not know each other.
 LAYERS = [
-    [
-        "femstruct.conventions",
-        "femstruct.tags",
-        "femstruct.errors",
-        "femstruct.findings",
-        "femstruct.arrays",
-        "femstruct.dimensions",
-        "femstruct.units",
-        "femstruct.declared",
-        "femstruct.reported",
-        "femstruct.plugins",
-    ],
-    ["femstruct.sparse", "femstruct.elements", "femstruct.model", "femstruct.parts"],
-    ["femstruct.assembly"],
-    ["femstruct.modal"],
-    ["femstruct.impact"],
-    ["femstruct.sound"],
-    ["femstruct.study"],
-    ["femstruct.files.inputs", "femstruct.language.yaml", "femstruct.language", "femstruct.files", "femstruct.view"],
-    ["femstruct.workflow"],
-    ["femstruct.campaign"],
-    ["femstruct.exits", "femstruct.commands", "femstruct.cli"],
-    ["femstruct.__main__"],
+    ["conventions", "reported", "tags"],
+    ["errors"],
+    ["arrays", "exits", "findings", "plugins", "units", "templates"],
+    ["declared", "elements", "sparse"],
+    ["evaluations", "model"],
+    ["assembly", "parts"],
+    ["modal"],
+    ["compiled"],
+    ["laws"],
+    ["impact"],
+    ["sound"],
+    ["study"],
+    ["files"],
+    ["decks", "yaml"],
+    ["language"],
+    ["view"],
+    ["workflow"],
+    ["campaign"],
+    ["commands"],
+    ["cli"],
+    ["__main__"],
 ]
 ACOUSTICS = [
-    [
-        "acoustics.tags",
-        "acoustics.errors",
-        "acoustics.arrays",
-        "acoustics.reported",
-        "acoustics.air",
-        "acoustics.losses",
-        "acoustics.receivers",
-        "acoustics.room_response",
-        "acoustics.source",
-        "acoustics.rooms.box",
-        "acoustics.meshed.walls",
-    ],
-    [
-        "acoustics.rooms.continuation",
-        "acoustics.rooms.box_transfer",
-        "acoustics.rooms.by_wall.box_walls",
-        "acoustics.meshed.cavity_mesh",
-        "acoustics.meshed.finite_elements",
-        "acoustics.meshed.yielding_walls",
-        "acoustics.meshed.cut_box",
-    ],
-    [
-        "acoustics.rooms.cosine_orders",
-        "acoustics.rooms.room_advice",
-        "acoustics.meshed.absorbing_walls",
-        "acoustics.meshed.coupled_wall_modes",
-        "acoustics.meshed.reverberation",
-        "acoustics.rooms.cosine_sums",
-        "acoustics.rooms.box_pressure",
-        "acoustics.rooms.kept_transfers",
-        "acoustics.meshed.meshed_pressure",
-        "acoustics.rooms.pressure_maps",
-        "acoustics.rooms.box_harmonic",
-        "acoustics.rooms.by_wall.wall_sums",
-        "acoustics.rooms.box_two_way",
-        "acoustics.cavities.equivalent_fluid",
-        "acoustics.cavities.cavity",
-        "acoustics.cavities.layer_fields",
-        "acoustics.cavities.cavity_air",
-        "acoustics.cavities.condensed",
-        "acoustics.cavities.several",
-        "acoustics.rooms.by_wall.walls_two_way",
-        "acoustics.rooms.by_wall.wall_loads",
-        "acoustics.rooms.by_wall.wall_powers",
-        "acoustics.meshed.meshed_two_way",
-        "acoustics.open_air.baffle",
-        "acoustics.open_air.rayleigh",
-        "acoustics.open_air.multipoles",
-        "acoustics.open_air.sphere",
-        "acoustics.open_air.sheet",
-        "acoustics.open_air.radiated_power",
-        "acoustics.open_air.directivity",
-        "acoustics.rooms.receiver_grids",
-        "acoustics.rooms.room_ways",
-    ],
-    ["acoustics.fields.returned", "acoustics.fields.sound_field", "acoustics.fields"],
-    [
-        "acoustics.levels.bands",
-        "acoustics.levels.ending",
-        "acoustics.levels.decibels",
-        "acoustics.levels.filters",
-        "acoustics.levels.weighting",
-        "acoustics.levels.sound_levels",
-        "acoustics.levels.iso",
-        "acoustics.levels.jis_ks",
-        "acoustics.levels.decay",
-        "acoustics.levels.exposure",
-        "acoustics.levels.single_number",
-        "acoustics.levels.methods",
-        "acoustics.statistical",
-        "acoustics.levels.line_levels",
-        "acoustics.levels.ensemble",
-        "acoustics.levels.rated",
-        "acoustics.open_air.sound_energy",
-    ],
+    ["reported", "tags"],
+    ["errors"],
+    ["arrays"],
+    ["air", "losses", "receivers", "source"],
+    ["room_response"],
+    ["rooms"],
+    ["meshed", "open_air"],
+    ["fields"],
+    ["levels"],
 ]
 HEARS_ACOUSTICS = {
     "sound",
     "study",
     "language",
     "files",
+    "yaml",
     "view",
     "workflow",
     "campaign",
@@ -151,39 +83,66 @@ def imports(path: Path) -> set[str]:
     return found
 
 
-def place(name: str, layers: list[list[str]]) -> tuple[int, int]:
-    for i, layer in enumerate(layers):
-        for j, member in enumerate(layer):
-            if name == member or name.startswith(member + "."):
-                return i, j
+def layer_of(name: str) -> tuple[int, str]:
+    """Line and entry of a module, `femstruct.modal.frf` being of `modal`."""
+    package, member = name.split(".")[:2]
+    for number, layer in enumerate(LAYERS if package == "femstruct" else ACOUSTICS):
+        if member in layer:
+            return number, member
     raise AssertionError(f"{name} is in no layer: give it one in this test and in docs/architecture.md")
 
 
-@pytest.mark.parametrize("path", [p for p in modules("femstruct") if name_of(p) != "femstruct"], ids=name_of)
-def test_femstruct_imports_go_down(path: Path) -> None:
-    layer, column = place(name_of(path), LAYERS)
+@pytest.mark.parametrize("path", modules("femstruct") + modules("acoustics"), ids=name_of)
+def test_imports_go_down(path: Path) -> None:
+    name = name_of(path)
+    if name in ("femstruct", "acoustics"):  # they give what all others have
+        return
+    layer, member = layer_of(name)
     for imported in imports(path):
-        if imported.startswith("femstruct."):
-            other_layer, other_column = place(imported, LAYERS)
-            down = other_layer < layer or (other_layer == layer and other_column <= column)
-            assert down, f"{name_of(path)} imports {imported} from above or beside it"
-        if imported.split(".")[0] == "acoustics":
-            assert name_of(path).split(".")[1] in HEARS_ACOUSTICS, f"{name_of(path)} imports {imported}"
+        package = imported.split(".")[0]
+        if package == name.split(".")[0]:
+            other, beside = layer_of(imported)
+            assert other < layer or beside == member, f"{name} imports {imported} from above or beside it"
+        elif package == "acoustics":
+            assert member in HEARS_ACOUSTICS, f"{name} imports {imported}"
+        else:
+            assert package != "femstruct", f"{name} imports {imported}"
 
 
-@pytest.mark.parametrize("path", [p for p in modules("acoustics") if p.name != "__init__.py"], ids=name_of)
-def test_acoustics_imports_go_down(path: Path) -> None:
-    layer, column = place(name_of(path), ACOUSTICS)
-    for imported in imports(path):
-        assert not imported.startswith("femstruct"), f"{name_of(path)} imports {imported}"
-        if imported.startswith("acoustics."):
-            other_layer, other_column = place(imported, ACOUSTICS)
-            assert (other_layer, other_column) <= (layer, column), f"{name_of(path)} imports {imported}"
+def test_modules_of_a_folder_form_no_circle() -> None:
+    """What is imported when a module is: statements at its top that are not for the type checker alone."""
+    needs = {name_of(path): _needed_at_once(path) for path in modules("femstruct") + modules("acoustics")}
+    known = {name: {found for one in used if (found := _module(one, needs)) and found != name} for name, used in
+             needs.items()}  # fmt: skip
+    left = {name: used for name, used in known.items() if name not in ("femstruct", "acoustics")}
+    while ready := {name for name, used in left.items() if not used & set(left)}:
+        left = {name: used for name, used in left.items() if name not in ready}
+    assert not left, f"modules that need each other: {sorted(left)}"
+
+
+def _needed_at_once(path: Path) -> set[str]:
+    found = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom):
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def _module(imported: str, known: Mapping[str, object]) -> str | None:
+    if imported in known:
+        return imported
+    above = imported.rpartition(".")[0]
+    return above if above in known and above not in ("femstruct", "acoustics") else None
+
+
+def test_folders_are_one_level_deep() -> None:
+    folders = {p.parent.relative_to(ROOT).as_posix() for p in modules("femstruct") + modules("acoustics")}
+    assert {folder for folder in folders if folder.count("/") > 1} == set()
 
 
 @pytest.mark.parametrize("path", modules("femstruct") + modules("acoustics"), ids=name_of)
 def test_lower_layers_open_no_file_and_draw_nothing(path: Path) -> None:
-    upper = {"language", "files", "view", "workflow", "commands", "cli"}
+    upper = {"language", "yaml", "decks", "files", "view", "workflow", "commands", "cli"}
     parts = name_of(path).split(".")
     if len(parts) > 1 and parts[0] == "femstruct" and parts[1] in upper:
         return
@@ -193,14 +152,13 @@ def test_lower_layers_open_no_file_and_draw_nothing(path: Path) -> None:
 
 def test_the_page_of_the_architecture_is_up_to_date() -> None:
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    block = page.split("```text\n")[1].split("```")[0]
-    assert [line.split() for line in block.splitlines()] == [[m.split(".", 1)[1] for m in layer] for layer in LAYERS]
+    blocks = [block.split("```")[0] for block in page.split("```text\n")[1:]]
+    assert [[line.split() for line in block.splitlines()] for block in blocks] == [LAYERS, ACOUSTICS]
     importers = page.split("Of `femstruct`, only ")[1].split(" import it")[0]
     assert set(re.findall(r"`(.*?)`", importers)) == HEARS_ACOUSTICS
-    folders = {str(p.parent.relative_to(ROOT)) for name in ("femstruct", "acoustics") for p in modules(name)}
-    assert {f for f in folders if f"| `{f}` |" not in page and "/" in f} == set(), "folders without a line"
-    listed = set(re.findall(r"^\| `((?:femstruct|acoustics)/[\w/]+)` \|", page, re.MULTILINE))
-    assert listed <= folders, "lines without a folder"
+    folders = {p.parent.relative_to(ROOT).as_posix() for p in modules("femstruct") + modules("acoustics")}
+    listed = set(re.findall(r"^\| `((?:femstruct|acoustics)/\w+)` \|", page, re.MULTILINE))
+    assert listed == {folder for folder in folders if "/" in folder}
 
 
 def test_import_loads_no_heavy_library() -> None:
@@ -233,34 +191,36 @@ def test_help_loads_nothing_but_the_command_line() -> None:
 
 def test_modes_load_nothing_of_impacts_or_results() -> None:
     """A third of what `femstruct modes` takes to start would be nouns that it does not use."""
-    code = "import sys, femstruct.workflow.check.asked_modes; print(*sys.modules)"
+    code = "import sys, femstruct.workflow.modes; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
-    others = ("femstruct.impact", "femstruct.study.result", "xarray", "h5netcdf", "h5py", "xlsxwriter")
+    others = ("femstruct.impact", "femstruct.study.results", "xarray", "h5netcdf", "h5py", "xlsxwriter")
     found = [name for name in loaded.split() if name.startswith(others)]
     assert not found
 
 
 def test_tables_for_the_terminal_load_no_plots() -> None:
     """`impact` and `sound` draw nothing: matplotlib would be half of what their start takes."""
-    code = "import sys, femstruct.view.tables.terminal; print(*sys.modules)"
+    code = "import sys, femstruct.view.terminal; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
     assert not {"matplotlib", "pyvista"} & set(loaded.split())
+
+
+def _decorator(node: ast.expr) -> str:
+    return ast.unparse(node.func if isinstance(node, ast.Call) else node)
 
 
 def test_every_noun_of_a_model_and_of_a_study_is_exported() -> None:
     """Whoever writes a study in Python finds all of it in `femstruct`."""
     files = [ROOT / "femstruct" / "study" / name for name in ("acting.py", "asked.py", "study.py", "structures.py")]
     files += [
-        ROOT / "femstruct" / "model" / name for name in ("structure.py", "material.py", "section.py", "region.py")
+        ROOT / "femstruct" / "model" / f"{name}.py"
+        for name in ("structure", "materials", "lay_ups", "sections", "regions")
     ]
-    files += [*(ROOT / "femstruct" / "model" / "materials").glob("*.py")]
     nouns = {
         node.name
         for path in (*files, *(ROOT / "femstruct" / "parts").glob("*.py"))
         for node in ast.parse(path.read_text(encoding="utf-8")).body
-        if isinstance(node, ast.ClassDef)
-        and not node.name.endswith("Mesh")
-        and "Protocol" not in [ast.unparse(base) for base in node.bases]
+        if isinstance(node, ast.ClassDef) and "checked" in {_decorator(one) for one in node.decorator_list}
     }
     nouns |= {law.__name__ for law in LAWS if law.__module__.startswith("femstruct.")}
     assert nouns <= set(femstruct.__all__), nouns - set(femstruct.__all__)
@@ -276,29 +236,9 @@ def test_public_names_come_from_where_the_type_checker_looks() -> None:
 
 
 def test_every_package_is_installed() -> None:
-    """Packages are listed one by one: a new folder that is left out works from a checkout alone."""
-    listed = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
-    folders = [path.parent for package in ("femstruct", "acoustics") for path in (ROOT / package).rglob("__init__.py")]
-    assert sorted(listed) == sorted(".".join(folder.relative_to(ROOT).parts) for folder in folders)
-
-
-MOST_FILES = 16  # of a folder: what a reader takes in at a glance
-# A file for each kind, found where it is: a new part, law or room splits no folder.
-FOLDERS_OF_KINDS = {
-    *("femstruct/parts", "femstruct/language/parts", "femstruct/impact/laws", "femstruct/language/laws"),
-    *("acoustics/fields", "femstruct/language/rooms"),
-}
-
-
-def test_no_folder_holds_more_files_than_a_reader_takes_in() -> None:
-    for package in ("femstruct", "acoustics"):
-        for folder in {path.parent for path in modules(package)}:
-            if folder.relative_to(ROOT).as_posix() in FOLDERS_OF_KINDS:
-                continue
-            files = [path.name for path in folder.glob("*.py") if path.name != "__init__.py"]
-            assert len(files) <= MOST_FILES, (
-                f"{folder.relative_to(ROOT)} holds {len(files)} files: split it by what they do"
-            )
+    """setuptools finds packages by their `__init__.py`: a folder without one works from a checkout alone."""
+    folders = {path.parent for path in modules("femstruct") + modules("acoustics")}
+    assert [folder for folder in folders if not (folder / "__init__.py").exists()] == []
 
 
 # What both packages have because neither may import the other, and what Python runs by name.

@@ -7,8 +7,7 @@ import gc
 import numpy as np
 import pytest
 
-from acoustics.rooms.box import Box
-from acoustics.rooms.box_transfer import transfer
+from acoustics.rooms.box import Box, transfer
 
 
 @pytest.mark.parametrize("levels", [[0.5, 1.0, 1.5], [0.3, 0.77, 1.9]])

@@ -12,8 +12,8 @@ import femstruct as fs
 from femstruct.errors import InputErrors
 from femstruct.findings.catalogue import rank_of
 from femstruct.findings.entry import FORBIDS, LIMITS
-from femstruct.model.imported.stated.unused import unused_findings
-from femstruct.workflow.judgement.structure_findings import structure_findings_before
+from femstruct.model.unused import unused_findings
+from femstruct.workflow.structure_findings import structure_findings_before
 
 GRID = [(1 + i + 5 * j, 0.1 * i, 0.1 * j, 0.0) for j in range(4) for i in range(5)]
 QUADS = [

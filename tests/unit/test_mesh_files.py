@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from femstruct.decks.mesh_file import read_mesh_file
 from femstruct.errors import InputError
-from femstruct.files.inputs.mesh_files.mesh_file import read_mesh_file
-from femstruct.model.imported.imported_mesh import ImportedMesh
-from femstruct.model.imported.stated.left_out import HARMLESS
+from femstruct.model.imported_mesh import HARMLESS, ImportedMesh
 
 ABAQUS = """*HEADING
 a tray

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from femstruct.errors import FemstructError, InputError
-from femstruct.modal.analytic import beam
 from femstruct.modal.basis import ForceRow, ModalBasis
+from femstruct.modal.closed_form import beam
 from femstruct.modal.damping import (
     Damping,
     FromMaterials,

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.language import read_model
-from femstruct.modal.analytic import beam, rod
+from femstruct.language.models import read_model
+from femstruct.modal.closed_form import beam, rod
 from femstruct.modal.damping import Damping, LossFactor, Rayleigh, with_damping
 from femstruct.modal.frf import frf, frf_unit
-from femstruct.workflow.check.asked_response import frf_of
+from femstruct.workflow.model_answers import frf_of
 
 # kind, drive, response, unit: by the dimension of displacement or angle over force or moment
 UNITS = [

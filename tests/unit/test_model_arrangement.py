@@ -8,20 +8,18 @@ import numpy as np
 import pytest
 
 from femstruct.errors import Finding
-from femstruct.model.material import Material
-from femstruct.model.materials.edge_wall import EdgeWall
+from femstruct.model.materials import EdgeWall, Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
-from femstruct.model.region import Region
-from femstruct.model.section import Section, rectangle
+from femstruct.model.regions import Region
+from femstruct.model.sections import Section, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.arrangement import arrangement_findings, twice_findings
 from femstruct.parts.block import Block
-from femstruct.parts.findings.arrangement import arrangement_findings
-from femstruct.parts.findings.connections import pieces
-from femstruct.parts.findings.twice import twice_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.inertia import Inertia
+from femstruct.parts.joints import pieces
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
 from femstruct.parts.slab import Slab

@@ -8,28 +8,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from femstruct.assembly.assemble import assemble
+from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError, Finding, InputError
 from femstruct.modal.damping import Damping, LossFactor, Ratio, with_damping
 from femstruct.modal.reduction import modal_basis
-from femstruct.model.material import Material
-from femstruct.model.materials.lay_up import Laminate, Layer
-from femstruct.model.materials.loss_by_frequency import LossByFrequency
+from femstruct.model.lay_ups import Laminate, Layer
+from femstruct.model.materials import LossByFrequency, Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.part import Part
-from femstruct.model.region import Region
-from femstruct.model.section import Section, circle, rectangle, tube
+from femstruct.model.regions import Region
+from femstruct.model.sections import Section, circle, rectangle, tube
 from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.arrangement import overhang_findings
 from femstruct.parts.block import Block
-from femstruct.parts.findings.arrangement import overhang_findings
-from femstruct.parts.findings.theory import model_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.parts.slab import Slab
 from femstruct.parts.spring import Spring
-from femstruct.workflow.judgement.structure_findings import structure_findings_after, structure_findings_before
+from femstruct.parts.waves import model_findings
+from femstruct.workflow.structure_findings import structure_findings_after, structure_findings_before
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputError
-from femstruct.model.section import Section, box, circle, i_section, rectangle, tube
+from femstruct.model.sections import Section, box, circle, i_section, rectangle, tube
 
 ROUNDING = 1e-13  # rounding: none here
 

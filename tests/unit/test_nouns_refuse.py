@@ -10,9 +10,9 @@ import pytest
 
 import femstruct
 from femstruct.errors import FemstructError, InputError
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import GROUND, Body, Contact, Scene
-from femstruct.model.material import Material
+from femstruct.impact.scene import GROUND, Body, Contact, Scene
+from femstruct.laws.linear import Linear
+from femstruct.model.materials import Material
 from femstruct.model.structure import PlaceOn, Support, SurfaceOn
 from femstruct.parts.plate import Plate
 

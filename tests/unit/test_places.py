@@ -8,7 +8,7 @@ import pytest
 
 from femstruct.errors import InputError
 from femstruct.model.probe import Point
-from femstruct.workflow.stages.places import Places
+from femstruct.workflow.bases import Places
 
 
 @pytest.mark.parametrize("asked", ["drumcentre", "centre"])

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 
-from acoustics import Room
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import Body, Clock, Contact, Scene
+from acoustics.fields.rectangular import Room
+from femstruct.impact.scene import Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
-from femstruct.modal.analytic import given_modes
+from femstruct.laws.linear import Linear
+from femstruct.modal.closed_form import given_modes
 from femstruct.model.probe import Surface
 from femstruct.sound.placed import placed
-from femstruct.sound.surface import surface_velocity
+from femstruct.sound.surfaces import surface_velocity
 
 
 def test_modes_that_do_not_move_the_ceiling_are_left_out_and_only_those():

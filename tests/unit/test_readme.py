@@ -10,9 +10,10 @@ import typer.main
 from ruamel.yaml import YAML
 
 from femstruct.cli import app
-from femstruct.files.inputs.band_tables import read_bands
-from femstruct.files.inputs.columns import read_columns
-from femstruct.language import read_model_file, read_study
+from femstruct.files.band_tables import read_bands
+from femstruct.files.columns import read_columns
+from femstruct.language.cases import read_study
+from femstruct.language.models import read_model_file
 from femstruct.model.mesher import mesh_structure
 
 ROOT = Path(__file__).parents[2]

@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 import scipy
 
-from femstruct.campaign.samples import quantile, samples_of
+from femstruct.campaign.tasks import quantile, samples_of
 from femstruct.errors import InputError
-from femstruct.study.campaign.held_limits import held_limits, wilson
-from femstruct.study.campaign.spread import spread
-from femstruct.study.campaign.swept import Swept, limit_name, verdict_name
-from femstruct.study.campaign.varied import Campaign, Listed, Sampling, Scattered
+from femstruct.study.campaigns import (
+    Campaign,
+    Listed,
+    Sampling,
+    Scattered,
+    Swept,
+    held_limits,
+    limit_name,
+    spread,
+    verdict_name,
+    wilson,
+)
 
 NORMAL = Scattered("E", "normal", 30e9, 1.5e9, "Pa")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from femstruct.model.grid.scatter import interleaved, scattered
+from femstruct.model.scatter import interleaved, scattered
 
 
 @pytest.mark.parametrize("side", [1, 2, 3, 6])

@@ -6,11 +6,11 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from femstruct.campaign.batch.scene_columns import scene_columns
-from femstruct.campaign.samples import Samples
+from femstruct.campaign.batch_rows import scene_columns
+from femstruct.campaign.tasks import Samples
 from femstruct.errors import InputError
-from femstruct.impact.laws.linear import Linear
-from femstruct.impact.scene.bodies import GROUND, Body, Contact, Scene
+from femstruct.impact.scene import GROUND, Body, Contact, Scene
+from femstruct.laws.linear import Linear
 from femstruct.modal.damping import Damping, Ratio
 from femstruct.study.asked import Extent
 from femstruct.study.structures import NoStructure

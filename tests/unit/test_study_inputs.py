@@ -10,20 +10,19 @@ import pytest
 from acoustics.fields.rectangular import Room
 from acoustics.losses import losses_from_beta
 from femstruct.conventions import GRAVITY
-from femstruct.impact.laws.hunt_crossley import HuntCrossley
-from femstruct.impact.result.fatigue import SNLine
-from femstruct.language import read_study
+from femstruct.impact.fatigue import SNLine
+from femstruct.language.cases import read_study
+from femstruct.laws.hunt_crossley import HuntCrossley
 from femstruct.modal.damping import Damping, FromMaterials, ModeDamping, Ratio
-from femstruct.modal.steady.spectrum import Spectrum
-from femstruct.model.given import Given
-from femstruct.model.material import Material
-from femstruct.model.section import circle
+from femstruct.modal.steady import Spectrum
+from femstruct.model.materials import Given, Material
+from femstruct.model.sections import circle
 from femstruct.parts.frame import Frame
-from femstruct.study.counting import FatigueRequest
+from femstruct.study.asked import FatigueRequest
 from femstruct.study.inputs import Inputs, differences, inputs
 from femstruct.study.study import Plan
-from femstruct.view.page.input_tables import cases_table, further_inputs, input_tables
-from femstruct.view.tables.structure_tables import _room_told
+from femstruct.view.page import cases_table, further_inputs, input_tables
+from femstruct.view.structure_tables import _room_told
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDIES = sorted(MODELS.glob("*.study.yaml"))

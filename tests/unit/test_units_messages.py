@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from femstruct.dimensions import DIMENSIONS
-from femstruct.units import QuantityError, quantity, quantity_of
+from femstruct.units import DIMENSIONS, QuantityError, quantity, quantity_of
 
 REFUSED = [
     ("5 mm", "pressure", r"got '5 mm', which is a length, expected a pressure \[Pa\]"),

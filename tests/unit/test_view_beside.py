@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 
 from femstruct.errors import FemstructError
-from femstruct.study.result import StudyResult
-from femstruct.view.scenes.beside import FORKS, drawn_beside
-from femstruct.view.scenes.opengl import LEFT_OUT, WAYS, NoOpenGL
-from femstruct.workflow.run.output import NO_PICTURES, write_all
+from femstruct.study.results import StudyResult
+from femstruct.view.model_scene import FORKS, LEFT_OUT, WAYS, NoOpenGL, drawn_beside
+from femstruct.workflow.run import NO_PICTURES, write_all
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 pytestmark = pytest.mark.skipif(not FORKS, reason="drawn in this process there")

@@ -13,23 +13,20 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from acoustics.levels.ending import ended
+from acoustics.levels.bands import ended
 from acoustics.levels.sound_levels import level_spectrum, response_levels
 from acoustics.receivers import Receiver
-from acoustics.rooms.pressure_maps import PressureMap
-from femstruct.modal.analytic import given_modes
+from acoustics.rooms.box_harmonic import PressureMap
+from femstruct.modal.closed_form import given_modes
 from femstruct.study.asked import RoomPlan, TimePlan
 from femstruct.study.recorded import Channel
-from femstruct.view.figures.drawing import case_colours, case_lines, new_figure, save, thinned
-from femstruct.view.figures.energy_over_time import energy
-from femstruct.view.figures.histories import contact_forces, history, travels
-from femstruct.view.figures.maps import draw_map, heard_peaks, line_level, lines_apart, pressure_maps
-from femstruct.view.figures.plots import drawings, figures, plot_all
-from femstruct.view.figures.spectra import frequency_response, sound
-from femstruct.view.figures.vibration import spectrum
-from femstruct.view.tables.scales import scaled
-from femstruct.workflow.compare.at_modes import Spectra
-from femstruct.workflow.compare.compare import compare
+from femstruct.view.console import scaled
+from femstruct.view.drawing import case_colours, case_lines, new_figure, save, thinned
+from femstruct.view.histories import contact_forces, energy, history, spectrum, travels
+from femstruct.view.plots import drawings, figures, plot_all
+from femstruct.view.sound_figures import draw_map, heard_peaks, line_level, lines_apart, pressure_maps
+from femstruct.view.spectra import frequency_response, sound
+from femstruct.workflow.compare import Spectra, compare
 
 ROUNDING = 1e-12  # rounding: 7e-15 here at most
 
@@ -450,7 +447,7 @@ def test_drawing_has_no_global_effects():
         "def settings():  # 'backend' resolves, and imports pyplot, when it is looked at\n"
         "    return {name: matplotlib.rcParams[name] for name in matplotlib.rcParams if name != 'backend'}\n"
         "before = settings()\n"
-        "import femstruct.view.figures.plots, femstruct.view.scenes.scene\n"
+        "import femstruct.view.plots, femstruct.view.model_scene\n"
         "assert 'matplotlib.pyplot' not in sys.modules and 'pyvista' not in sys.modules\n"
         "assert settings() == before\n"
     )

@@ -15,15 +15,14 @@ from typer.testing import CliRunner
 
 from femstruct.cli import app
 from femstruct.errors import Finding
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
-from femstruct.files.tables.finding_tables import finding_from, finding_table, study_findings_table
-from femstruct.files.tables.study_tables import summary
-from femstruct.study.result import StudyResult
-from femstruct.view.report import report
-from femstruct.view.tables.finding_lines import show_findings
-from femstruct.view.tables.structure_tables import show_frf
-from femstruct.view.tables.terminal import show_study
+from femstruct.files.results_file import read_results, write_results
+from femstruct.files.study_tables import summary
+from femstruct.files.tables import finding_from, finding_table, study_findings_table
+from femstruct.study.results import StudyResult
+from femstruct.view.console import show_findings
+from femstruct.view.page import report
+from femstruct.view.structure_tables import show_frf
+from femstruct.view.terminal import show_study
 
 AIR = Finding("two-way-coupling", "The air reacts.")
 FLOAT = Finding("floating-floor", "It floats.")

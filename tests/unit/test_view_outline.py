@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import femstruct.view.scenes.scene as scene
-from femstruct.view.figures.outline import outline
-from femstruct.view.scenes.labels import CHARACTER, VIEW, Label, apart
-from femstruct.workflow.run.output import write_all
+import femstruct.view.model_scene as scene
+from femstruct.view.model_scene import CHARACTER, VIEW, Label, apart, outline
+from femstruct.workflow.run import write_all
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 

@@ -14,13 +14,11 @@ import pytest
 
 from femstruct.errors import Finding
 from femstruct.modal.basis import Holder
-from femstruct.sound.cavities import WOOL
-from femstruct.view.figures.loudness import levels_over_time, rated_bands
-from femstruct.view.page.html import table
-from femstruct.view.page.natural_frequencies import natural_frequencies
-from femstruct.view.report import report, write_report
-from femstruct.view.tables.grid import Grid
-from femstruct.view.tables.terminal import study_tables
+from femstruct.sound.cavity_coupling import WOOL
+from femstruct.view.console import Grid
+from femstruct.view.page import natural_frequencies, report, table, write_report
+from femstruct.view.sound_figures import levels_over_time, rated_bands
+from femstruct.view.terminal import study_tables
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 ALONE = {"meta", "img"}

@@ -12,12 +12,26 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from femstruct import read_model
 from femstruct.errors import InputError
-from femstruct.view.scenes import opengl, scene
-from femstruct.view.scenes.labels import MASS, POINT, SUPPORT, VIEW, Label, apart, merged, runs
-from femstruct.view.scenes.opengl import LEFT_OUT, NoOpenGL
-from femstruct.view.scenes.scene import PART_COLOURS, _resting, picture_model, shapes_all
+from femstruct.language.models import read_model
+from femstruct.view import model_scene as opengl
+from femstruct.view import model_scene as scene
+from femstruct.view.model_scene import (
+    LEFT_OUT,
+    MASS,
+    PART_COLOURS,
+    POINT,
+    SUPPORT,
+    VIEW,
+    Label,
+    NoOpenGL,
+    _resting,
+    apart,
+    merged,
+    picture_model,
+    runs,
+    shapes_all,
+)
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))
@@ -26,7 +40,7 @@ import runpy, sys
 from pathlib import Path
 from acoustics import Receiver, Room
 from femstruct import assemble, modal_basis, read_model
-from femstruct.view.scenes.scene import picture_model, picture_modes, shapes_all
+from femstruct.view.model_scene import picture_model, picture_modes, shapes_all
 made = runpy.run_path(sys.argv[1])
 result = made["study_by_hand"]()
 folder = Path(sys.argv[2])

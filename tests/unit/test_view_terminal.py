@@ -10,11 +10,10 @@ from rich.console import Console
 
 from femstruct.errors import Finding
 from femstruct.study.asked import PeakRule
-from femstruct.view.tables import structure_tables as structure
-from femstruct.view.tables import terminal
-from femstruct.view.tables.accuracy_table import first_impact
-from femstruct.view.tables.energy_table import energies
-from femstruct.view.tables.grid import Grid
+from femstruct.view import structure_tables as structure
+from femstruct.view import terminal
+from femstruct.view.case_tables import energies, first_impact
+from femstruct.view.console import Grid
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 MODES = {

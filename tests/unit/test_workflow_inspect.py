@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.view.tables.structure_tables import show_inspection
-from femstruct.workflow.check.inspect import inspect_file
+from femstruct.view.structure_tables import show_inspection
+from femstruct.workflow.check import inspect_file
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -43,7 +43,7 @@ def test_a_room_of_a_kind_that_says_other_things_is_shown_by_their_names(capsys:
 def test_modes_beyond_those_of_interest_that_do_not_converge_take_nothing_from_a_check(tmp_path, monkeypatch):
     """A model file asks for no number of modes: 30 are a habit. Where none converge, that is the answer."""
     from femstruct.errors import NotConverged
-    from femstruct.workflow.check import inspect
+    from femstruct.workflow import check as inspect
 
     path = tmp_path / "a.yaml"
     path.write_text("structure: {type: oscillator, mass: 1 kg, frequency: 5 Hz}\npoints: {m: {}}\n", encoding="utf-8")

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from femstruct import read_study, run_study
-from femstruct.commands.study_answers import verdict
+from femstruct.commands.shared import verdict
 from femstruct.exits import INTERRUPTED
-from femstruct.files.results_file.results import write_results
-from femstruct.files.results_file.stored import read_results
+from femstruct.files.results_file import read_results, write_results
+from femstruct.language.cases import read_study
+from femstruct.workflow.run import run_study
 
 STUDY = Path(__file__).parents[2] / "models" / "three_bodies.study.yaml"
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from femstruct.errors import InputErrors
-from femstruct.impact.scene.bodies import HalfSine, Table
-from femstruct.language import read_study
+from femstruct.impact.scene import HalfSine, Table
+from femstruct.language.cases import read_study
 from femstruct.study.acting import PlannedLoad, Repeat
-from femstruct.view.tables.scales import scaled
-from femstruct.workflow.judgement.impact_findings import hammer_findings, load_findings
+from femstruct.view.console import scaled
+from femstruct.workflow.impact_findings import hammer_findings, load_findings
 
 TRIANGLE = Table(np.array([0.0, 0.01, 0.02]), np.array([0.0, 1000.0, 0.0]))  # 10 N s
 

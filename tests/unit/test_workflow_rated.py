@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from femstruct.impact.scene.impact_sources import TAPPING_MACHINE
-from femstruct.language import read_study
-from femstruct.modal.analytic import given_modes
+from femstruct.impact.scene import TAPPING_MACHINE
+from femstruct.language.cases import read_study
+from femstruct.modal.closed_form import given_modes
 from femstruct.study.study import Study
-from femstruct.workflow.judgement.source_findings import source_findings
-from femstruct.workflow.run.run import run_study, without_rooms
-from femstruct.workflow.stages.rated_rooms import overlap_findings, rated_findings, running
+from femstruct.workflow.impact_findings import source_findings
+from femstruct.workflow.rated_rooms import overlap_findings, rated_findings, running
+from femstruct.workflow.run import run_study, without_rooms
 
 MODES = given_modes((5000.0,), (0.01,), {"p": (1.0,)})[0]
 MODEL = """

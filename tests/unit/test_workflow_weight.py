@@ -12,10 +12,8 @@ from typer.testing import CliRunner
 
 import femstruct as fs
 from femstruct.cli import app
-from femstruct.workflow.judgement.structure_findings import structure_findings
-from femstruct.workflow.stages.modal_bases import Solved
-from femstruct.workflow.stages.places import Places
-from femstruct.workflow.stages.sags import sags
+from femstruct.workflow.bases import Places, Solved, sags
+from femstruct.workflow.structure_findings import structure_findings
 
 ROUNDING = 1e-12  # rounding: 2e-15 here at most
 

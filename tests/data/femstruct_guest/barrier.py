@@ -5,8 +5,8 @@ from typing import ClassVar
 
 from scipy.optimize import brentq
 
-from femstruct.impact.compiled.kernels import kernel
-from femstruct.impact.laws.law import Code, Law, Stored
+from femstruct.compiled.kernels import kernel
+from femstruct.laws.law import Code, Law, Stored
 from femstruct.tags import stored_as
 
 

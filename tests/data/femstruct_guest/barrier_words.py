@@ -2,8 +2,8 @@
 
 from typing import Literal
 
-from femstruct.language.laws.law import FactoredSpec, Positive
-from femstruct.language.yaml import Length
+from femstruct.language.laws import FactoredSpec, Positive
+from femstruct.yaml.spec import Length
 from femstruct_guest.barrier import Barrier
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.declared import checked
-from femstruct.impact.evaluations.evaluation import Evaluation
+from femstruct.evaluations.evaluation import Evaluation
 from femstruct.reported import Held, Reported
 from femstruct.tags import stored_as
 

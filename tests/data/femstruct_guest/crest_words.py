@@ -1,6 +1,6 @@
 """`crest_factors`."""
 
-from femstruct.language.evaluations.evaluation import EvaluationSpec
+from femstruct.language.evaluations import EvaluationSpec
 from femstruct_guest.crest import CrestRequest
 
 

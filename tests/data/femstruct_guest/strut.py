@@ -9,9 +9,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from femstruct.errors import InputError
-from femstruct.model.material import Material
-from femstruct.model.meshed import Drawn, Meshed, nodal_dofs
-from femstruct.model.part import Part
+from femstruct.model.materials import Material
+from femstruct.model.part import Drawn, Meshed, Part, nodal_dofs
 from femstruct.model.probe import Point
 from femstruct.tags import stored_as
 

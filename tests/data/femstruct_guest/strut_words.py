@@ -2,9 +2,9 @@
 
 from typing import Literal
 
-from femstruct.language.model.section import Area
-from femstruct.language.parts.part import MaterialName, PartSpec
-from femstruct.language.yaml import Position3
+from femstruct.language.materials import Area
+from femstruct.language.parts import MaterialName, PartSpec
+from femstruct.yaml.spec import Position3
 from femstruct_guest.strut import Strut
 
 

@@ -1,1 +1,0 @@
-"""Air between two surfaces of one structure: boxes, wool in them, layers."""

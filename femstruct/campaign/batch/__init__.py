@@ -1,1 +1,0 @@
-"""Rows of many samples at once, by the batch engine."""

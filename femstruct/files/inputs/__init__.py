@@ -1,1 +1,0 @@
-"""What a user names: ordinary files, columns of numbers, meshes of rooms. Nothing of it is written."""

@@ -1,1 +1,0 @@
-"""Mesh files: one format a file, from bytes to what `femstruct.model.imported` makes a mesh of."""

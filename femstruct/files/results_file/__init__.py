@@ -1,1 +1,0 @@
-"""results.h5: what is written, sealed and read back whole."""

@@ -1,1 +1,0 @@
-"""Tables of results for machines: JSON, HDF5 and spreadsheets."""

@@ -1,1 +1,0 @@
-"""Many runs of one scene: what varies, one kernel, a row of numbers each."""

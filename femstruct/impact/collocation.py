@@ -1,0 +1,703 @@
+"""The collocation march for laws that are not linear: steps through Gauss points, and the events between them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.compiled.kernels import Matrix, Vector, kernel, unit
+from femstruct.compiled.records import CONSTANT, LINK, System
+from femstruct.impact.ledger import (
+    DONE,
+    FULL,
+    INTEGRATED,
+    LIFTED,
+    MODES,
+    NO_FORCES,
+    OPENS,
+    STALLS,
+    STEPS,
+    TOO_MANY_EVENTS,
+    Record,
+    balance_books,
+    confirm,
+    ended,
+    first_strike,
+    goes_on,
+    integrate_losses,
+    keep,
+    keep_row,
+    log_changes,
+    log_event,
+    open_books,
+    part_energies,
+    peaks,
+    peaks_at_start,
+    settle_events,
+    strike,
+    take_stock,
+    touch,
+    travels,
+)
+from femstruct.impact.propagation import (
+    AWAY,
+    CLAMPED,
+    CLOSED,
+    DISPLACEMENT_ROUNDING,
+    LONGER,
+    LONGEST_DOUBLINGS,
+    OPEN,
+    PLACES,
+    PRELOAD,
+    STAGES,
+    Rule,
+    State,
+    Tables,
+    Trial,
+    advance,
+    collocation_rule,
+    copy_to,
+    law,
+    load_at,
+    net_force,
+    rows_now,
+    sense,
+    trial_room,
+    try_step,
+)
+from femstruct.impact.system import Compiled
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Watching the contacts: what a step may do before a contact changes its status. No excursion is missed.
+#
+# Over a step the rows' displacements are interpolated at start, nodes and end. Bernstein coefficients bound the
+# interpolant, and a remainder from every mode's energy and the forces' derivatives bounds what it can miss: Lagrange's
+# form for modes slow beside the step, the norm of the interpolation for fast ones. A step in which a change of status
+# cannot be excluded is halved until it can, or until it is one tick long or what is watched moves by no more than its
+# rounding: there the change happens.
+# ----------------------------------------------------------------------------------------------------------------------
+
+RELATIVE = 1e-12  # relative to the largest value in the step: rounding of the Bernstein coefficients
+AMPLIFIED = 400.0  # rounding of the values in the Bernstein coefficients: the norm of that matrix is 375
+SAFE, CHANGES, UNCERTAIN, SHARP = 0, 1, 2, 3
+
+
+@kernel
+def strays(level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: Trial,
+           out: Floats) -> None:  # fmt: skip
+    """Per interface what interpolation can miss of displacement and velocity, and their rounding: out [i, 4]."""
+    r = len(system.rows)
+    derivatives = trial.derivatives
+    derivatives[:] = 0.0
+    for a in range(r):
+        for j in range(STAGES):
+            for s in range(STAGES):
+                derivatives[a, j] += rule.slopes[j, s] * trial.forces[a, s]
+            derivatives[a, j] = abs(derivatives[a, j])
+            derivatives[a, STAGES] = max(derivatives[a, STAGES], 4.6 * abs(trial.forces[a, j]))
+    place, rate, push = tables.stray[level, 0], tables.stray[level, 1], tables.stray_push[level]
+    out[:] = 0.0
+    coupled = len(system.turn) > 0
+    for i in range(len(system.omega)):
+        z, v = abs(state.z[i]), abs(state.v[i])
+        if z != 0.0 or v != 0.0:
+            norm = system.omega[i] * z + v
+            for a in range(len(out)):
+                row = abs(system.rows[a, i])
+                out[a, 2] += row * z
+                out[a, 3] += row * v
+                if coupled:
+                    tilt, squared = abs(system.tilts[a, i]), system.omega[i] * system.omega[i]
+                    out[a, 0] += tilt * rate[i] * norm
+                    out[a, 1] += tilt * squared * place[i] * norm
+                    out[a, 2] += tilt * v
+                    out[a, 3] += tilt * (squared * z + system.damping[i] * v)
+                    out[a, 0] += row * place[i] * norm
+                    row = abs(system.rows[a, i] - system.tilts[a, i] * system.damping[i])
+                    out[a, 1] += row * rate[i] * norm
+                else:
+                    out[a, 0] += row * place[i] * norm
+                    out[a, 1] += row * rate[i] * norm
+    for a in range(len(out)):
+        for b in range(r):
+            for j in range(STAGES + 1):
+                out[a, 0] += push[0, j, a, b] * derivatives[b, j]
+                out[a, 1] += push[1, j, a, b] * derivatives[b, j]
+        out[a, 2] *= DISPLACEMENT_ROUNDING
+        out[a, 3] *= DISPLACEMENT_ROUNDING
+
+
+@kernel
+def excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[int, float]:
+    """Whether the function with these values at the places exceeds the margin, and where first it is seen to do so.
+
+    SHARP where it moves by less than the margin in all of the step: a shorter one would not find the place any better,
+    and in much shorter ones the state itself stands still, each change being lost in rounding.
+    """
+    largest, moves = 0.0, 0.0
+    for i in range(PLACES):
+        largest = max(largest, abs(values[i]))
+        moves = max(moves, abs(values[i] - values[0]))
+    found = SHARP if moves <= margin else CHANGES
+    doubt = AMPLIFIED * margin + RELATIVE * largest
+    margin += RELATIVE * largest
+    for i in range(PLACES):
+        if values[i] > margin:
+            if i == 0:
+                return found, 0.0
+            low, high = rule.places[i - 1], rule.places[i]
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                if _interpolant(values, middle, rule) > margin:
+                    high = middle
+                else:
+                    low = middle
+            return found, low
+    bound = -np.inf
+    for i in range(PLACES):
+        coefficient = 0.0
+        for j in range(PLACES):
+            coefficient += rule.bernstein[i, j] * values[j]
+        bound = max(bound, coefficient)
+    return (SAFE if bound + stray <= doubt else UNCERTAIN), 1.0
+
+
+@kernel
+def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
+    top, bottom = 0.0, 0.0
+    for i in range(PLACES):
+        distance = theta - rule.places[i]
+        if distance == 0.0:
+            return float(values[i])
+        weight = rule.barycentric[i] / distance
+        top += weight * values[i]
+        bottom += weight
+    return top / bottom
+
+
+@kernel
+def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, bounds: Floats,
+          loaded: Floats) -> tuple[int, float]:  # fmt: skip
+    """First change of status in a trial step: SAFE, CHANGES or SHARP with the part before it, or UNCERTAIN."""
+    values = trial.watched
+    answer, part = SAFE, 1.0
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] == LINK or state.status[a] == AWAY:
+            continue
+        clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
+        constant, by_depth, by_speed = sense(system, a)
+        stray, margin, status = bounds[a, 0], bounds[a, 2], state.status[a]
+        # indentation must stay negative when open, positive when closed; a dashpot beside the spring pulls before that
+        if status != CLOSED or not clamps or by_depth == 0.0:
+            side = 1.0 if status == OPEN else -1.0
+            for p in range(PLACES):
+                values[p] = side * (trial.place[a, p] + system.interfaces[a]["offset"])
+            code, where = excursion(values, margin, stray, rule)
+            answer, part = _first(answer, part, code, where)
+        if clamps and status != OPEN:
+            side = -1.0 if status == CLOSED else 1.0
+            for p in range(PLACES):
+                depth = trial.place[a, p] + system.interfaces[a]["offset"]
+                values[p] = side * (constant + by_depth * depth + by_speed * trial.rate[a, p])
+            margin = by_depth * bounds[a, 2] + by_speed * bounds[a, 3]
+            code, where = excursion(values, margin, by_depth * bounds[a, 0] + by_speed * bounds[a, 1], rule)
+            answer, part = _first(answer, part, code, where)
+        if system.interfaces[a]["preload"] > 0.0 and status == CLOSED:
+            side = -1.0 if loaded[a] > 0.0 else 1.0
+            values[0] = side * _ends(trial.forces[a], rule.at_start)
+            values[PLACES - 1] = side * _ends(trial.forces[a], rule.at_end)
+            for p in range(STAGES):
+                values[p + 1] = side * trial.forces[a, p]
+            code, where = excursion(values, least_excess(system, bounds, a), 0.0, rule)
+            answer, part = _first(answer, part, code, where)
+    return answer, part
+
+
+@kernel
+def least_excess(system: System, bounds: Floats, a: int) -> float:
+    """What the force of a preloaded contact must differ from its preload by for its sign to be known."""
+    _, by_place, by_rate, _ = law(system, a, system.interfaces[a]["offset"], 0.0)
+    rounding = by_place * bounds[a, 2] + by_rate * bounds[a, 3]
+    return float(max(PRELOAD * system.interfaces[a]["preload"], rounding))
+
+
+@kernel
+def _ends(forces: Floats, weights: Floats) -> float:
+    total = 0.0
+    for j in range(STAGES):
+        total += weights[j] * forces[j]
+    return total
+
+
+@kernel
+def _first(answer: int, part: float, code: int, where: float) -> tuple[int, float]:
+    """The earlier of two changes; a change comes before a doubt, a doubt before a sharp change, that before nothing."""
+    if code in (CHANGES, SHARP):
+        part = min(part, where)
+    if answer == CHANGES or code == CHANGES:
+        return CHANGES, part
+    if answer == UNCERTAIN or code == UNCERTAIN:
+        return UNCERTAIN, part
+    return max(answer, code), part
+
+
+@kernel
+def switch(system: System, state: State, trial: Trial, bounds: Floats, a: int) -> int:
+    """Status of contact a at the end of a step of one tick."""
+    if state.status[a] == AWAY:
+        return AWAY
+    p = PLACES - 1
+    delta, speed = trial.place[a, p] + system.interfaces[a]["offset"], trial.rate[a, p]
+    margin = bounds[a, 2]
+    constant, by_depth, by_speed = sense(system, a)
+    psi = constant + by_depth * delta + by_speed * speed
+    clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
+    psi_margin = by_depth * margin + by_speed * bounds[a, 3]
+    if state.status[a] == OPEN:
+        if delta > margin:
+            return CLOSED if psi > 0.0 or not clamps else CLAMPED
+        return OPEN
+    if state.status[a] == CLOSED:
+        if clamps and psi < -psi_margin:
+            return CLAMPED if delta > margin else OPEN
+        if clamps and by_depth > 0.0:
+            return CLOSED
+        return OPEN if delta < -margin else CLOSED
+    if delta < -margin:
+        return OPEN
+    return CLOSED if psi > psi_margin else CLAMPED
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# One trial step: its forces, its error, and whether a contact changes in it. Compiled by itself.
+# ----------------------------------------------------------------------------------------------------------------------
+
+REFUSED = -1  # a step whose error is too large, or whose forces were not found
+ERROR, PART = 0, 1  # columns of what is found
+
+
+class Room(NamedTuple):
+    """Work space of a march. trial : of its steps, with their work space. lost [m + INTEGRATED] : dissipated by
+    interfaces, by modes; work; brought by blows; given to coupled modes. bounds [m, 4] : what interpolation can miss of
+    an interface. work [s + 4, n]. loaded, closed_at [m] : whether a contact counts as closed, and since when. place,
+    rate [r] : of the rows.
+    found [2] : of a trial step: its error over what is allowed, and the part of it before the first change of status.
+    """
+
+    trial: Trial
+    lost: Vector
+    bounds: Matrix
+    work: Matrix
+    loaded: Vector
+    closed_at: Vector
+    place: Vector
+    rate: Vector
+    found: Vector
+
+
+def march_room(system: System) -> Room:
+    """Work space for marches of a system of this size."""
+    n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
+    return Room(
+        trial=trial_room(system),
+        lost=np.zeros(m + INTEGRATED),
+        bounds=np.zeros((m, 4)),
+        work=np.zeros((STAGES + 4, n)),
+        loaded=np.zeros(m),
+        closed_at=np.zeros(m),
+        place=np.zeros(r),
+        rate=np.zeros(r),
+        found=np.zeros(2),
+    )
+
+
+@unit(seconds=6.0)
+def attempt(now: float, level: int, system: System, state: State, rule: Rule, tables: Tables, room: Room,
+            tolerance: float) -> int:  # fmt: skip
+    """Try a step of tick 2^level from now on; what the watch over the contacts says of it, or REFUSED.
+
+    One that is a tick long is taken whatever its error, as long as its forces were found.
+    """
+    h = system.tick * float(1 << level)
+    error = try_step(now, level, h, system, state, rule, tables, room.trial, tolerance)
+    room.found[ERROR] = error
+    if not error < np.inf or (error > 1.0 and level > 0):
+        return REFUSED
+    strays(level, h, system, state, rule, tables, room.trial, room.bounds)
+    answer, part = watch(h, system, state, rule, room.trial, room.bounds, room.loaded)
+    room.found[PART] = part
+    return answer
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What pushes the modes on a grid of times: moments of the forces, from which their transform follows to the grid's
+# own frequency.
+# ----------------------------------------------------------------------------------------------------------------------
+
+LONG = 8.0  # spacings of a step, of which a cell then sees little: two points in it are enough
+OUTER, INNER = 0.06943184420297371, 0.33000947820757187  # Gauss points of four, and their weights
+OF_OUTER, OF_INNER = 0.17392742256872692, 0.32607257743127305
+OF_TWO = 0.21132486540518713  # of two
+
+
+@kernel
+def gather(t: float, h: float, rule: Rule, trial: Trial, moments: Floats, shares: Floats, spacing: float) -> None:
+    """Add what the forces of a step from t to t + h push to moments [r, cells + 2]: the integrals of each force times a
+    hat of the spacing's width around each time of the grid [N s]. shares [STAGES] : room."""
+    first, last = int(t / spacing), int((t + h) / spacing)
+    last = min(last, moments.shape[1] - 2)
+    if first >= last:
+        for s in range(STAGES):
+            at = (t + rule.nodes[s] * h) / spacing - first
+            for a in range(len(moments)):
+                push = rule.weights[s] * h * trial.forces[a, s]
+                moments[a, first] += push * (1.0 - at)
+                moments[a, first + 1] += push * at
+        return
+    low = 0.0
+    for cell in range(first, last + 1):
+        high = min(((cell + 1) * spacing - t) / h, 1.0)
+        width = high - low
+        if width <= 0.0:
+            continue
+        if h > LONG * spacing:
+            _look(t, h, low + OF_TWO * width, 0.5 * width, cell, rule, trial, moments, shares, spacing)
+            _look(t, h, high - OF_TWO * width, 0.5 * width, cell, rule, trial, moments, shares, spacing)
+        else:
+            _look(t, h, low + OUTER * width, OF_OUTER * width, cell, rule, trial, moments, shares, spacing)
+            _look(t, h, low + INNER * width, OF_INNER * width, cell, rule, trial, moments, shares, spacing)
+            _look(t, h, high - INNER * width, OF_INNER * width, cell, rule, trial, moments, shares, spacing)
+            _look(t, h, high - OUTER * width, OF_OUTER * width, cell, rule, trial, moments, shares, spacing)
+        low = high
+
+
+@kernel
+def _look(t: float, h: float, theta: float, weight: float, cell: int, rule: Rule, trial: Trial, moments: Floats,
+          shares: Floats, spacing: float) -> None:  # fmt: skip
+    """What one point of a cell adds; theta, weight : of the step."""
+    total = 0.0
+    for i in range(STAGES):
+        distance = theta - rule.nodes[i]
+        if distance == 0.0:  # beside it: interpolation there is to rounding
+            distance = 1e-17
+        # barycentric weights of the places without both ends
+        shares[i] = rule.barycentric[i + 1] * rule.nodes[i] * (rule.nodes[i] - 1.0) / distance
+        total += shares[i]
+    at = (t + theta * h) / spacing - cell
+    for a in range(len(moments)):
+        push = 0.0
+        for i in range(STAGES):
+            push += shares[i] * trial.forces[a, i]
+        push *= weight * h / total
+        moments[a, cell] += push * (1.0 - at)
+        moments[a, cell + 1] += push * at
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# The march through time: steps of tau 2^level, aligned to their length, so that samples fall on step ends.
+#
+# A change of status ends a step one tick wide; the alignment then lets steps grow by no more than a factor of two each,
+# which is the graded mesh that the onset of a contact (indentation^1.5, ^0.5) needs.
+# ----------------------------------------------------------------------------------------------------------------------
+
+ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
+
+
+@unit(seconds=9.0)
+def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, record: Record, halvings: int,
+          top_level: int, tolerance: float, max_steps: int, paced: int) -> int:  # fmt: skip
+    """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
+
+    paced : steps tried between two looks at the progress. A record without samples is of one interval of 2^halvings
+    ticks, and keeps the first and the last ledger row only.
+    """
+    history, m, samples = record.history, len(system.interfaces), len(record.at)
+    per_sample = 1 << halvings
+    end = max(samples, 1) * per_sample
+    trial, lost, bounds, place, rate = room.trial, room.lost, room.bounds, room.place, room.rate
+    loaded, closed_at = room.loaded, room.closed_at
+    lost[:], loaded[:], closed_at[:] = 0.0, 0.0, 0.0
+    rows_now(system, state.z, state.v, place, rate)
+    _start(system, state, place, rate, loaded)
+    initial = open_books(system, state, place, lost, record)
+    n_history = 1
+    peaks_at_start(system, state, place, rate, record)
+    n_events = log_changes(0.0, system, state, loaded, history[0], 0, record)
+    stride = max(end // 2048, 1)
+    while samples > 0 and top_level > 0 and (1 << top_level) > 4 * stride:  # a ledger row is the end of a step
+        top_level -= 1
+    t, level, hint, kink, blow = 0, top_level, -1, 0, 0
+    while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
+        first_strike(system, blow, state, record)
+        blow += 1
+    last, tried, seen, late = 0, 0, 0, record.late_at[0]
+    while t < end:
+        how = goes_on(record, max_steps)
+        if how != DONE:
+            return ended(record, how, t * system.tick, n_history, n_events)
+        tried += 1
+        if tried == paced:
+            if t - seen < paced * (end / max_steps):  # at this pace all steps are gone before the end
+                return ended(record, STALLS, t * system.tick, n_history, n_events)
+            tried, seen = 0, t
+        limit = end
+        while kink < len(system.kinks) and system.kinks[kink] <= t:
+            kink += 1
+        if kink < len(system.kinks):
+            limit = min(limit, system.kinks[kink])
+        if hint > t:
+            limit = min(limit, hint)
+        level = min(level, _longest(t, limit - t, top_level))
+        acting = _acts(system, (t + 0.5 * min(limit - t, per_sample)) * system.tick)
+        if acting:  # what a load puts in is kept as finely as what it moves
+            level = min(level, halvings)
+        h = system.tick * float(1 << level)
+        now = t * system.tick
+        for a in range(len(place)):
+            trial.place[a, 0], trial.rate[a, 0] = place[a], rate[a]
+        answer = attempt(now, level, system, state, rule, tables, room, tolerance)
+        error, part = room.found[ERROR], room.found[PART]
+        if answer == REFUSED:
+            if level == 0:
+                return ended(record, NO_FORCES, now, n_history, n_events)
+            level -= 1 if error < 300.0 else (2 if error < 1e6 else 4)
+            level = max(level, 0)
+            continue
+        ticks = 1 << level
+        if answer == UNCERTAIN and level > 0:
+            level -= 1
+            continue
+        if answer == CHANGES and level > 0:
+            hint = t + int(part * ticks)
+            level -= 1
+            continue
+        if samples > 0 and t % per_sample == 0:
+            keep(t // per_sample, max(level - halvings, 0), state, trial, record)
+        peaks(now, h, system, state, rule, trial, record)
+        travels(h, system, state, rule, trial, record)
+        if record.moments.shape[1] > 0:
+            gather(now, h, rule, trial, record.moments, record.shares, record.spacing[0])
+        _confirm_step(system, state, trial, bounds, record)
+        integrate_losses(h, system, state, rule, trial, lost)
+        lost[m + MODES] += advance(level, system, tables, trial.forces, state.z, state.v, room.work)
+        t += ticks
+        now = t * system.tick
+        if 0 <= late <= t:
+            copy_to(record.late, state.v)
+            late = -1
+        changes = answer in (CHANGES, SHARP)
+        moment = now - (1.0 - part) * h if changes else now
+        rows_now(system, state.z, state.v, place, rate)
+        for a in range(len(system.rows)):
+            for p in range(PLACES):
+                state.pace[a] = max(state.pace[a], abs(trial.rate[a, p]))
+        if changes:
+            for a in range(len(place)):
+                trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = place[a], rate[a]
+            for a in range(m):
+                if system.interfaces[a]["kind"] != LINK:
+                    before = loaded[a]
+                    state.status[a] = switch(system, state, trial, bounds, a)
+                    loaded[a] = _is_loaded(system, state, a, place[a], rate[a], least_excess(system, bounds, a), before)
+                    closed_at[a] = moment if loaded[a] > before else closed_at[a]
+        struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
+        if struck:
+            take_stock(now, system, state, place, lost, history[n_history])
+            keep_row(n_history, state, record)
+            n_history += 1
+            while blow < len(system.strikes) and system.strikes[blow]["tick"] <= t:
+                strike(now, t, blow, system, state, place, rate, loaded, closed_at, lost, record)
+                blow += 1
+            for a in range(m):
+                if record.closed[a] > 0.0 and record.latest[a] >= 0 and system.strikes[record.latest[a]]["tick"] == t:
+                    if n_events == len(record.events):
+                        return ended(record, TOO_MANY_EVENTS, now, n_history, n_events)
+                    log_event(record, n_events, a, OPENS, LIFTED, history[n_history - 1])
+                    part_energies(system, state, record.event_rows[n_events])
+                    n_events += 1
+                    record.closed[a] = 0.0
+            moment = now
+        for a in range(m):
+            if (
+                system.interfaces[a]["kind"] == LINK
+                and state.status[a] == OPEN
+                and system.interfaces[a]["release"] <= t
+            ):
+                state.status[a], state.rest[a] = CLOSED, place[a]
+            state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
+        if not balance_books(now, initial, system, state, place, lost, history[n_history], record):
+            return ended(record, NO_FORCES, now, n_history, n_events)
+        n_events = log_changes(moment, system, state, loaded, history[n_history], n_events, record)
+        if n_events == FULL:
+            return ended(record, TOO_MANY_EVENTS, now, n_history, len(record.events))
+        busy = (acting or _total(loaded) > 0.0) and t - last >= per_sample
+        if samples > 0 and (busy or struck or t - last >= stride or t == end):
+            keep_row(n_history, state, record)
+            n_history += 1
+            last = t
+        record.totals[STEPS] += 1.0
+        if error < LONGER:
+            level += 1
+    return ended(record, DONE, end * system.tick, n_history, settle_events(record, n_events, m))
+
+
+@kernel
+def _acts(system: System, now: float) -> bool:
+    """Whether a load other than the weight of bodies pushes."""
+    acting = 0
+    for i in range(len(system.loads)):
+        if system.loads[i]["kind"] != CONSTANT and load_at(system, i, now) != 0.0:
+            acting += 1
+    return acting > 0
+
+
+@kernel
+def _total(values: Floats) -> float:
+    total = 0.0
+    for i in range(len(values)):
+        total += values[i]
+    return total
+
+
+@kernel
+def _longest(t: int, room: int, top: int) -> int:
+    """Level of the longest step from t that is aligned to its length and fits into the room."""
+    level = 0
+    while level < top and (t >> level) & 1 == 0 and (2 << level) <= room:
+        level += 1
+    return level
+
+
+@kernel
+def _start(system: System, state: State, place: Floats, rate: Floats, loaded: Floats) -> None:
+    """Contacts that close at once, preloaded contacts, links without a release time; the rest is open, touching or
+    not, and closes when the leading derivative of its indentation says so."""
+    for a in range(len(system.interfaces)):
+        state.status[a] = OPEN
+        if system.interfaces[a]["kind"] == LINK:
+            if system.interfaces[a]["release"] <= 0:
+                state.status[a] = CLOSED
+        elif system.interfaces[a]["release"] > 0:
+            state.status[a] = AWAY
+        else:
+            touch(system, state, a, place[a], rate[a], 0.0)
+            loaded[a] = 1.0 if state.status[a] == CLOSED and system.interfaces[a]["preload"] == 0.0 else 0.0
+        if state.status[a] == CLOSED:
+            state.force[a] = net_force(system, state, a, place[a], rate[a])
+    for a in range(len(rate)):
+        state.pace[a] = abs(rate[a])
+
+
+@kernel
+def _is_loaded(system: System, state: State, a: int, place: float, rate: float, least: float, before: float) -> float:
+    """Whether a contact counts as closed: it has a force, or one above its preload."""
+    if state.status[a] != CLOSED:
+        return 0.0
+    if system.interfaces[a]["preload"] == 0.0:
+        return 1.0
+    excess = net_force(system, state, a, place, rate)
+    if abs(excess) <= least:
+        return before
+    return 1.0 if excess > 0.0 else 0.0
+
+
+@kernel
+def _confirm_step(system: System, state: State, trial: Trial, bounds: Floats, record: Record) -> None:
+    """Let the events count whose contacts move beyond rounding in this step."""
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] == LINK:
+            continue
+        offset = system.interfaces[a]["offset"]
+        record.size[a, 0] = max(record.size[a, 0], bounds[a, 2] / DISPLACEMENT_ROUNDING + abs(offset))
+        record.size[a, 1] = max(record.size[a, 1], bounds[a, 3] / DISPLACEMENT_ROUNDING)
+        if record.newest[a] >= 0:
+            for p in range(PLACES):
+                if confirm(system, state, a, trial.place[a, p] + offset, trial.rate[a, p], record):
+                    break
+
+
+def levels_for(halvings: int) -> int:
+    """Number of step lengths: from a tick to the longest step."""
+    return halvings + LONGEST_DOUBLINGS + 1
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# One run of the march for laws that are not linear, at a tolerance.
+# ----------------------------------------------------------------------------------------------------------------------
+
+MAX_STEPS = 20_000_000
+STEPS_BETWEEN_CHECKS = (
+    200_000  # steps tried between two looks at the progress, at least: enough for thousands of closings
+)
+WORK_BETWEEN_CHECKS = 5e7  # and their number times SELF + n: about 4 s where the modes are not thousands
+SELF = 30  # what a step costs beside its coordinates, 2.1 us against 0.07 us for each of them
+LEDGER_ROWS = 2048  # at most, while nothing acts
+
+
+class Ended(NamedTuple):
+    """How a march ended, when [s], and how many ledger rows and events it left."""
+
+    how: int
+    when: float
+    rows: int
+    events: int
+
+    @staticmethod
+    def of(how: int, record: Record) -> Ended:
+        """What a march that returned `how` has noted."""
+        when, rows, events = record.ended
+        return Ended(how, float(when), int(rows), int(events))
+
+
+def state_at_start(compiled: Compiled) -> State:
+    """The state that a scene starts from, before contacts close."""
+    m, r = len(compiled.system.interfaces), len(compiled.system.rows)
+    return State(
+        z=compiled.start[0].copy(),
+        v=compiled.start[1].copy(),
+        status=np.zeros(m, dtype=np.int64),
+        rest=np.zeros(m),
+        pace=np.zeros(r),
+        force=np.zeros(m),
+    )
+
+
+def collocate(
+    compiled: Compiled, tolerance: float, tables: Tables, state: State, record: Record, finer: int = 0
+) -> Ended:
+    """March to the end of the record; state and record are filled on the way.
+
+    tables : of all levels.
+    finer : how often the longest step is halved, which a loose tolerance takes wherever it can.
+    """
+    system = compiled.system
+    top_level = levels_for(compiled.halvings) - 1
+    if finer:
+        end = compiled.n_samples << compiled.halvings
+        longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger
+        top_level = max(min(top_level, longest.bit_length() - 1) - finer, 0)
+    how = march(
+        system,
+        state,
+        collocation_rule(),
+        tables,
+        march_room(system),
+        record,
+        compiled.halvings,
+        top_level,
+        tolerance * ERROR_BUDGET,
+        MAX_STEPS,
+        paced(system),
+    )
+    return Ended.of(how, record)
+
+
+def paced(system: System) -> int:
+    """Steps tried between two looks at the progress of a run alone: at a pace at which MAX_STEPS are too few it ends.
+
+    One look takes some seconds, so that a run which gets nowhere does not take minutes to say so; a burst of collisions
+    may still be that slow for a hundredth of the window or more.
+    """
+    return max(int(WORK_BETWEEN_CHECKS / (SELF + len(system.omega))), STEPS_BETWEEN_CHECKS)

@@ -1,1 +1,0 @@
-"""The collocation march: steps through Gauss points, events between them."""

@@ -1,1 +1,0 @@
-"""Contact laws: a module each, found by `registry`; force from indentation and its rate, compressive and positive."""

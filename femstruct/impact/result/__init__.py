@@ -1,1 +1,0 @@
-"""What an impact brought: histories, shares of energy, blow by blow, findings."""

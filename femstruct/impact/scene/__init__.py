@@ -1,1 +1,0 @@
-"""Bodies, sources, feet, and what measured pulses and rebounds say of them."""

@@ -1,1 +1,0 @@
-"""The kinds of contact laws a study file can have: a module each, found by `known_laws`."""

@@ -1,1 +1,0 @@
-"""The kinds of parts a model file can have: a module each, found by `known_parts`."""

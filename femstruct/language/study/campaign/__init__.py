@@ -1,1 +1,0 @@
-"""What a campaign varies and optimises, as it is written."""

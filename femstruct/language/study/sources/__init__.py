@@ -1,1 +1,0 @@
-"""Sources as they are written: those of standards, and those that were measured."""

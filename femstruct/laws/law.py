@@ -1,0 +1,141 @@
+"""What every contact law has: code for the engine, its numbers as the engine keeps them, and what it knows of itself.
+
+A law is a module of this package with a frozen class and nothing to enter anywhere else: `registry` finds it. d is
+the indentation [m], d' its rate [m/s], positive while the ends approach.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from femstruct.arrays import Floats
+from femstruct.compiled.records import NUMBERS, Records
+from femstruct.errors import Finding, InputError
+from femstruct.model.materials import Given, given
+
+Kernel = Callable[..., Any]
+RESTITUTION_MISSED = 0.05  # of a restitution: Lankarani and Nikravesh's law misses it from 0.79 down
+MISSED = "restitution-missed"
+
+
+class Code(NamedTuple):
+    """Kernels of a spring and its dashpot; laws may share one. system, a : the interface whose numbers they read.
+
+    spring(system, a, d) : force, its slope, and the energy it holds, all zero or straight on for d <= 0.
+    force(system, a, d, d') : force without a clamp, its derivatives to d and d', and the dashpot's part of the force
+    over d'; None where the dashpot is a factor of the spring: s(d) (1 + chi d'). A law of its own force that is not
+    tensile has the sign of stiffness d + damping d' while it is indented: by that its contact is clamped.
+    beside(system, a, rest, x) : energy at rest + x, less that at rest and the work of the force there, where a formula
+    loses no digits; None for the difference itself.
+    """
+
+    spring: Kernel
+    force: Kernel | None = None
+    beside: Kernel | None = None
+
+
+class Stored(NamedTuple):
+    """Numbers of a law as the engine keeps them: see `System.interfaces`. damping : chi of a factor; rows [p, 6]."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    shape: float = 0.0
+    rows: Floats = np.zeros((0, NUMBERS))
+    force_at: int = 0
+    energy_at: int = 0
+
+
+class Law(ABC):
+    """A contact law. Its class says what holds for all of its kind:
+
+    word : its `type` in a study file, "" for one that no file can tell. code : its kernels.
+    sides : of its ends' approach, on which it acts. straight : whether it is a spring and a dashpot that are constant.
+    varies : which of its fields may differ between the runs of a batch, and where the engine keeps each.
+    doubts : codes of the findings it may have, and whether they are severe.
+    """
+
+    word: ClassVar[str] = ""
+    code: ClassVar[Code]
+    sides: ClassVar[tuple[float, ...]] = (1.0,)
+    straight: ClassVar[bool] = False
+    varies: ClassVar[Mapping[str, str]] = {}
+    doubts: ClassVar[Mapping[str, bool]] = {}
+    units: ClassVar[Mapping[str, str]] = {}  # of its fields, as they are shown; "exponent" stands for its own
+    tensile: bool
+
+    def described(self) -> tuple[Given, ...]:
+        """What is given of it, for tables of the inputs and for comparing cases."""
+        exponent = f"{getattr(self, 'exponent', 1.0):g}"
+        return given(self, {name: unit.replace("exponent", exponent) for name, unit in self.units.items()})
+
+    @property
+    @abstractmethod
+    def stored(self) -> Stored:
+        """Its numbers as the engine keeps them."""
+
+    @abstractmethod
+    def indentation(self, force: float) -> float:
+        """Indentation under a force at rest [m]."""
+
+    def findings(self, contact: str, deepest: float) -> tuple[Finding, ...]:
+        """What speaks against the law in a run; deepest : largest indentation of its contact [m]."""
+        return ()
+
+    @property
+    def doubted_from(self) -> Mapping[str, float]:
+        """The same for many runs: by code, the indentation [m] above which a run has the finding; -inf for any."""
+        return {}
+
+    def settling_time(self, mass: Floats, columns: Mapping[str, Floats]) -> Floats | None:
+        """How long after they met bodies are at rest together [runs] [s], inf where they part; None of a law that never
+        holds its bodies. mass [runs] or [1] : reduced, of both [kg]. columns : of its fields that vary [runs]."""
+        return None
+
+    @staticmethod
+    def rests(preload: Floats, laws: Records) -> Floats | None:
+        """Indentations at rest under preloads [runs] [m], by numbers of the engine; None without a closed form."""
+        return None
+
+    @staticmethod
+    def quickest(spring: Floats, dashpot: Floats, speed: Floats) -> Floats | None:
+        """Rates [1/s] of steps in which the law may be left out without giving more speed than is allowed; None where
+        nobody has worked them out.
+
+        spring, dashpot : its numbers times the mobility behind it over the speed allowed; speed [m/s] : of meeting.
+        """
+        return None
+
+
+def refuse_unless_positive(where: str, value: float) -> None:
+    """Raise InputError unless a value is positive."""
+    if not value > 0:
+        raise InputError(where, got=f"{value:g}", expected=f"a positive {where.split()[-1]}")
+
+
+def refuse_negative(where: str, value: float) -> None:
+    """Raise InputError for a negative value."""
+    if not value >= 0:
+        raise InputError(where, got=f"{value:g}", expected=f"a {where.split()[-1]} >= 0")
+
+
+def misses(asked: float, returned: float) -> bool:
+    """Whether a restitution is not what was asked for."""
+    return abs(returned - asked) > RESTITUTION_MISSED
+
+
+def missed_restitution(contact: str, whose: str, asked: float, returned: float, speed: float) -> tuple[Finding, ...]:
+    """The finding of a law that misses its restitution at its meeting speed [m/s]."""
+    if not misses(asked, returned):
+        return ()
+    return (
+        Finding(
+            MISSED,
+            f"Contact '{contact}' requires a restitution of {asked:g} at {speed:g} m/s; the law of {whose} gives "
+            f"{returned:.3f}. This law is valid near 1; hunt-crossley gives the required value.",
+            {"restitution": asked, "returned": returned, "speed_m_s": speed},
+        ),
+    )

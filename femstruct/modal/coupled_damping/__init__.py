@@ -1,1 +1,0 @@
-"""Damping that couples the modes: pairs of complex modes as oscillators that move by themselves, exactly."""

@@ -1,1 +1,0 @@
-"""What was measured on a structure, and how it fits a model."""

@@ -1,1 +1,0 @@
-"""Parts reduced to their interfaces."""

@@ -1,1 +1,0 @@
-"""Our own meshes: where grid lines and nodes of rectangles and bars lie."""

@@ -1,1 +1,0 @@
-"""Materials and products with their sources: values, ranges, and where each of them is printed."""

@@ -1,1 +1,0 @@
-"""Findings on the losses of parts."""

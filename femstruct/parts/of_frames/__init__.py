@@ -1,1 +1,0 @@
-"""What frames are made of: their lines as straight pieces, their bars between nodes."""

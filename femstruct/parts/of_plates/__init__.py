@@ -1,1 +1,0 @@
-"""What plates are made of: their meshes, their motion, patches on them, their stresses."""

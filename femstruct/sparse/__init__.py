@@ -1,1 +1,0 @@
-"""Sparse symmetric systems: patterns, nested dissection, dense fronts, and the one interface to solvers."""

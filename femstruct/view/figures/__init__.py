@@ -1,1 +1,0 @@
-"""Plots of histories, spectra, levels and maps."""

@@ -1,1 +1,0 @@
-"""Three-dimensional pictures of structures and rooms."""

@@ -1,1 +1,0 @@
-"""Tables and lines a person reads in the terminal."""

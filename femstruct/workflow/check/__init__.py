@@ -1,1 +1,0 @@
-"""What the command line asks of models and studies without running them."""

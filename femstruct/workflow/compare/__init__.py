@@ -1,1 +1,0 @@
-"""Cases beside their baseline, limits and their verdicts."""

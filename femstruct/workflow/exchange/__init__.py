@@ -1,1 +1,0 @@
-"""What `export` and `mac` do: matrices and modes to other programs, measured modes from them."""

@@ -1,1 +1,0 @@
-"""Numbers of a study found from measured histories."""

@@ -1,1 +1,0 @@
-"""Reasons to trust results less, by their subject."""

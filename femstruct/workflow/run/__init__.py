@@ -1,1 +1,0 @@
-"""A study from its cases to its files: run, watched, with what it took."""

@@ -1,1 +1,0 @@
-"""The stages of a case, from the basis to the sound."""

@@ -1,1 +1,0 @@
-"""What is known from measurements: structure-borne sources in place, coverings on floors."""

@@ -1,0 +1,560 @@
+"""What both schemas are made of: quantities, words and keys that exclude each other, as pydantic reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache, reduce
+from operator import or_
+from pathlib import Path
+from types import ModuleType
+from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple, TypeVar, get_args, get_origin
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from femstruct.errors import FemstructError, InputError, InputErrors, shown_as
+from femstruct.files.band_tables import read_bands
+from femstruct.files.text_tables import beside, wrong_in
+from femstruct.model.materials import MOST_LOSSES
+from femstruct.plugins import MEND, added_kinds
+from femstruct.units import DIMENSIONS, QuantityError, quantity_of
+from femstruct.yaml.reader import Here, Steps, near_one
+
+SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
+FARTHEST = 1e6  # metres
+_QUANTITY_PATTERN: Final = (
+    r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*[A-Za-z%°µμ1].*$|^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*$"
+)
+
+
+class Spec(BaseModel):
+    """A mapping of the language: unknown keys are refused, and keys that exclude each other.
+
+    one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
+    needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
+    called : what the noun calls keys for which it has another word. only_written : keys that the noun does not have.
+    refused : keys of other kinds that `refuse_keys` refuses. instead : keys of other kinds that are unknown here,
+    each with the key that says it and how. short : the key that is meant by a value alone.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
+    one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    needs: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
+    makes: ClassVar[Callable[..., Any]] = dict
+    called: ClassVar[tuple[tuple[str, str], ...]] = ()
+    only_written: ClassVar[tuple[str, ...]] = ()
+    refused: ClassVar[tuple[str, ...]] = ()
+    instead: ClassVar[tuple[tuple[str, str, str], ...]] = ()
+    short: ClassVar[str] = ""
+
+    def given(self) -> dict[str, Any]:
+        """The values of the noun's keys, in its words, mappings as nouns; not the word that tells the kind."""
+        left_out = ("type", "shape", *self.only_written)
+        values = {key: getattr(self, key) for key in type(self).model_fields if key not in left_out}
+        nouns = {key: value.noun() if isinstance(value, Spec) else value for key, value in values.items()}
+        return {dict(self.called).get(key, key): value for key, value in nouns.items()}
+
+    def noun(self, **others: Any) -> Any:
+        """The noun it describes; others : what the keys do not say, or not in the noun's words."""
+        return type(self).makes(**{**self.given(), **others})
+
+    @classmethod
+    def keys(cls) -> set[str]:
+        """The keys it has or refuses by name, as a file writes them."""
+        return {*(info.alias or name for name, info in cls.model_fields.items()), *cls.refused}
+
+    @classmethod
+    def meant_by(cls, value: object) -> str:
+        """The mapping that is meant by a value alone, "" where that is not known."""
+        single = cls.short and isinstance(value, str | int | float) and not isinstance(value, bool)
+        return f"{{{cls.short}: {value}}}" if single else ""
+
+    @classmethod
+    def refuse_keys(cls, given: Mapping[str, Any]) -> None:
+        """Raise what `refuse` makes of keys that cannot be together, before any of them is read."""
+
+    @classmethod
+    def completed(cls, given: dict[str, Any]) -> dict[str, Any]:
+        """The mapping with what a key of it brings along."""
+        return given
+
+    def check(self, here: Here) -> None:
+        """Note what is wrong with its keys together, and with the names in it."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _exclusive(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        if value.keys() <= cls.keys():  # else a key that is missing may be there, misspelt
+            cls._refuse_together(value)
+        return cls.completed(value)
+
+    @classmethod
+    def _refuse_together(cls, value: Mapping[str, Any]) -> None:
+        cls.refuse_keys(value)
+        for names in cls.one_of:
+            exactly_one(value, names)
+        for names in cls.at_most_one_of:
+            exactly_one(value, names, or_none=True)
+        for key, others in cls.needs:
+            given = value.get(key) is not None
+            missing = [other for other in others if given and value.get(other) is None]
+            if missing:
+                raise refuse(
+                    f"{key} without {missing[0]}",
+                    f"'{missing[0]}' beside '{key}'",
+                    f"add '{missing[0]}: ...', or remove '{key}'",
+                )
+
+
+def brought(*names: str) -> ConfigDict:
+    """The schema of a mapping of which another key may bring these: a source its mass, a wool its density."""
+
+    def loosen(schema: dict[str, Any]) -> None:
+        schema["required"] = [name for name in schema["required"] if name not in names]
+
+    return ConfigDict(json_schema_extra=loosen)
+
+
+@dataclass(frozen=True)
+class Refers:
+    """Annotation of a text that is the name of something else in the files.
+
+    kind : the words for it in messages; "" where the noun itself checks the name, since it depends on more.
+    goes_with : the group of names with which what uses one is removed.
+    """
+
+    kind: str = ""
+    goes_with: str = ""
+
+
+class Measured(NamedTuple):
+    """A value in SI units and its dimension, None for a plain number."""
+
+    value: float
+    dimension: str | None
+
+
+def refuse(got: object, expected: str, do: str = "") -> PydanticCustomError:
+    """A refusal pydantic carries to its report; `got` is shown as a value unless it is a sentence already."""
+    return PydanticCustomError("refused", "refused", {"got": str(got), "expected": expected, "do": do})
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a field that holds a quantity of one of these dimensions, within limits.
+
+    too_small, too_large : what to do about a value beyond `least` or `most`; {number} in it is the value in SI units,
+    {thousandfold} a thousand times that. at_limit : what to do about the value `above` itself. words : what the
+    quantity is where its dimension does not say it.
+    """
+
+    dimensions: tuple[str, ...]
+    above: float | None = None
+    least: float | None = None
+    below: float | None = None
+    most: float | None = None
+    which: bool = False
+    too_small: str = "remove the sign"
+    too_large: str = ""
+    at_limit: str = ""
+    words: str = ""
+
+    def read(self, value: object) -> Any:
+        """The value in SI units, or a Measured when `which` is set."""
+        try:
+            number, dimension = quantity_of(value, self.dimensions)
+        except QuantityError as error:
+            raise refuse(error.got, error.expected, error.do) from None
+        named = DIMENSIONS[dimension or self.dimensions[0]]
+        if self.above is not None and not number > self.above:
+            if named.unit == "1" and number < 0.0 == self.above:
+                raise refuse(shown_as(value), "a positive value", f"write {-number:g}")
+            do = self.at_limit if number == self.above and self.at_limit else f"write it like {named.example}"
+            raise refuse(shown_as(value), f"a positive value: {named.words}", do)
+        if self.least is not None and not number >= self.least:
+            raise refuse(
+                shown_as(value),
+                f"{self.words or named.words} of at least {self._shown(self.least)}",
+                self.too_small.format(number=number, thousandfold=1e3 * number),
+            )
+        if self.below is not None and not number < self.below:
+            raise refuse(
+                shown_as(value), f"{named.words} below {self.below:g}", f"2 % is 0.02: did you mean {number:g} %?"
+            )
+        if self.most is not None and not number <= self.most:
+            raise refuse(
+                shown_as(value),
+                f"{self.words or named.words} of at most {self._shown(self.most)}",
+                self.too_large.format(number=number, thousandfold=1e3 * number),
+            )
+        largest = FARTHEST if named.unit == "m" else LARGEST
+        if number and not SMALLEST <= abs(number) <= largest:
+            raise refuse(
+                shown_as(value),
+                f"{named.words} between {SMALLEST:g} and {largest:g} {named.unit}",
+                "correct its power of ten",
+            )
+        return Measured(number, dimension) if self.which else number
+
+    def _shown(self, limit: float) -> str:
+        unit = DIMENSIONS[self.dimensions[0]].unit
+        return f"{limit:g}" if unit == "1" or not limit else f"{limit:g} {unit}"
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        words = " or ".join(f"{DIMENSIONS[name].words} [{DIMENSIONS[name].unit}]" for name in self.dimensions)
+        example = DIMENSIONS[self.dimensions[0]].example
+        return {
+            "anyOf": [{"type": "number"}, {"type": "string", "pattern": _QUANTITY_PATTERN}],
+            "description": f"{words}; a plain number is in SI units",
+            "examples": [example],
+        }
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        do = "" if value is None else "put quotes around it if it is meant as text"
+        raise refuse(shown_as(value), "a name or text", do)
+    if not value.strip():
+        raise refuse("an empty text", "a name or text")
+    return value
+
+
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise refuse(shown_as(value), "true or false")
+    return value
+
+
+def _count(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 < value <= 100_000:
+        raise refuse(shown_as(value), "a whole number from 1 to 100000")
+    return value
+
+
+Text = Annotated[str, BeforeValidator(_text)]
+Flag = Annotated[bool, BeforeValidator(_flag)]
+Count = Annotated[int, BeforeValidator(_count)]
+Ratio = Annotated[float, Quantity(("ratio",), least=0.0, below=1.0)]
+AnyRatio = Annotated[float, Quantity(("ratio",))]
+Factor = Annotated[float, Quantity(("ratio",), above=0.0)]
+_PERCENT = "2 % is 0.02: did you mean {number:g} %?"
+LossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=1.0, too_large=_PERCENT)]
+MaterialLossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large=_PERCENT)]
+Coordinate = Annotated[float, Quantity(("length",))]
+Component = Annotated[float, Quantity(("ratio",))]
+_MILLIMETRES: Final = "a plain number is in metres: did you mean {number:g} mm?"
+SideLength = Annotated[float, Quantity(("length",), above=0.0, most=1000.0, too_large=_MILLIMETRES)]
+LENGTH: Final = Quantity(("length",), above=0.0)
+CELL: Final = Quantity(("length",), above=0.0, most=10.0, too_large=_MILLIMETRES)  # no element is longer
+Length = Annotated[float, LENGTH]
+CellSide = Annotated[float, CELL, Field(description="largest side of an element [m]")]
+Gap = Annotated[float, Quantity(("length",), least=0.0)]
+MassKg = Annotated[float, Quantity(("mass",), above=0.0)]
+FREQUENCY: Final = Quantity(("frequency",), above=0.0)
+Frequency = Annotated[float, FREQUENCY]
+Band = tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]
+Duration = Annotated[float, Quantity(("time",), above=0.0)]
+Instant = Annotated[float, Quantity(("time",), least=0.0)]
+Speed = Annotated[float, Quantity(("speed",))]
+PointName = Annotated[Text, Refers("point")]
+SurfaceName = Annotated[Text, Refers("surface")]
+End = Annotated[Text, Refers(goes_with="bodies")]
+Ends = Annotated[tuple[End, End], Field(description="its two ends: names of points or bodies, or ground")]
+Position2 = tuple[Coordinate, Coordinate]
+Position3 = tuple[Coordinate, Coordinate, Coordinate]
+Direction3 = tuple[Component, Component, Component]
+
+
+def read_by(reader: Callable[..., object], written: Any) -> BeforeValidator:
+    """Annotation of a field that `reader` makes of what may be written in the file (for the JSON Schema)."""
+    return BeforeValidator(reader, json_schema_input_type=written)
+
+
+def only(words: Sequence[str], expected: str = "", do: str = "") -> Callable[[object], object]:
+    """Validator of a field that takes some words; others are refused with the nearest.
+
+    expected : in place of all words. do : what to do where none is near.
+    """
+
+    def read(value: object) -> object:
+        if isinstance(value, str) and value in words:
+            return value
+        near = near_one(str(value), words) if value else ""
+        raise refuse(shown_as(value), expected or f"one of {', '.join(words)}", near or do)
+
+    return read
+
+
+def word_of(words: Sequence[str]) -> BeforeValidator:
+    """Annotation of a text that is one of these words."""
+    return read_by(only(words), Literal.__getitem__(tuple(words)))
+
+
+def words_of(words: Sequence[str]) -> BeforeValidator:
+    """Annotation of a tuple of some of these words; one may stand alone."""
+    literal: Any = Literal.__getitem__(tuple(words))
+    return read_by(several(only(words)), literal | list[literal])
+
+
+def several(read: Callable[[Any], object]) -> Callable[[object], object]:
+    """Reader of one value or a list of them, as a tuple."""
+    return lambda value: tuple(read(one) for one in (value if isinstance(value, list) and value else [value]))
+
+
+def so_many(
+    read: Callable[[Any], object],
+    counts: Sequence[int],
+    expected: str,
+    do: str,
+    *,
+    many: str = "",
+    or_one: bool = False,
+) -> Callable[[object], object]:
+    """Reader of a list of one of these numbers of values, as a tuple.
+
+    many : what the values are, to tell how many there were. or_one : whether one may stand without a list.
+    """
+
+    def reader(value: object) -> object:
+        if or_one and not isinstance(value, list):
+            return read(value)
+        if not isinstance(value, list | tuple) or len(value) not in counts:
+            got = f"{len(value)} {many}" if many and isinstance(value, list) else shown_as(value)
+            raise refuse(got, expected, do)
+        return tuple(read(one) for one in value)
+
+    return reader
+
+
+def word_or(words: Mapping[str, object], quantity: Quantity) -> Callable[[object], object]:
+    """Reader of a quantity, or of a word that stands for something."""
+    return lambda value: words[value] if isinstance(value, str) and value in words else quantity.read(value)
+
+
+def exactly_one(spec: Mapping[str, object], names: Sequence[str], or_none: bool = False) -> None:
+    """Refuse a mapping with several of these keys, or with none of them; a key without a value is not given."""
+    given = [name for name in names if spec.get(name) is not None]
+    if len(given) > 1 or not (given or or_none):
+        raise refuse(
+            f"both {' and '.join(given)}" if given else f"none of {', '.join(names)}",
+            f"exactly one of {', '.join(names)}",
+            "remove all but one" if given else "add one",
+        )
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Who refers to whom: one table, read off the schemas, for checking names and for removing what a name takes along.
+# ----------------------------------------------------------------------------------------------------------------------
+
+EACH: Final = "*"  # in a path: every name of a mapping, every item of a list, a single value that stands for one
+
+
+class Reference(NamedTuple):
+    """Where a file names something. path : keys from the root, EACH, and ("type", WORD) for kinds of one noun."""
+
+    path: tuple[str | int | tuple[str, str], ...]
+    refers: Refers
+
+
+@cache
+def references(schema: type[Spec]) -> tuple[Reference, ...]:
+    """All places of a file where a name stands."""
+    return tuple(_walked(schema, (), ()))
+
+
+def _walked(annotation: Any, metadata: tuple[Any, ...], path: tuple[Any, ...]) -> Iterator[Reference]:
+    yield from (Reference(path, one) for one in metadata if isinstance(one, Refers))
+    origin, inside = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        yield from _walked(inside[0], inside[1:], path)
+    elif origin is dict:
+        yield from _walked(inside[1], (), (*path, EACH))
+    elif origin is tuple and Ellipsis not in inside:
+        for number, one in enumerate(inside):
+            yield from _walked(one, (), (*path, number))
+    elif origin is not Literal and inside:
+        for one in inside:
+            yield from _walked(one, (), (*path, EACH) if origin in (list, tuple) else path)
+    elif isinstance(annotation, type) and issubclass(annotation, Spec):
+        fields = annotation.model_fields
+        kind = get_args(fields["type"].annotation) if "type" in fields else ()
+        here = (*path, ("type", kind[0])) if kind else path
+        for key, field in fields.items():
+            yield from _walked(field.annotation, tuple(field.metadata), (*here, field.alias or key))
+
+
+def found(value: Any, path: tuple[Any, ...], steps: Steps = ()) -> Iterator[tuple[Steps, str]]:
+    """Every name that a tree has at a path, with its steps."""
+    if not path:
+        if isinstance(value, str):
+            yield steps, value
+        return
+    step, rest = path[0], path[1:]
+    if step == EACH and not isinstance(value, dict | list):
+        yield from found(value, rest, steps)
+    elif isinstance(step, tuple):
+        if isinstance(value, dict) and value.get(step[0]) == step[1]:
+            yield from found(value, rest, steps)
+    else:
+        items = dict(enumerate(value)) if isinstance(value, list) else value if isinstance(value, dict) else {}
+        for key in items if step == EACH else [step] if step in items else ():
+            yield from found(items[key], rest, (*steps, key))
+
+
+def check_references(schema: type[Spec], here: Here) -> None:
+    """Note the names in a file that nothing of their kind has."""
+    for path, refers in references(schema):
+        for steps, name in found(here.tree.value, path) if refers.kind else ():
+            here.at(*steps).known(name, refers.kind)
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# The kinds of one noun, such as the parts or the contact laws: classes that nothing else has to name, and what other
+# packages add.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
+def kinds_of(module: ModuleType, base: type[BaseModel]) -> tuple[Any, ...]:
+    """The classes that a module makes of `base`, of those with a `type` or `signs` of their own, in its order; then
+    those that other packages add to the group of entry points of its name.
+
+    Raises FemstructError for one of another package that has no word, or one that is taken.
+    """
+    classes = [one for one in vars(module).values() if isinstance(one, type) and one.__module__ == module.__name__]
+    own = [one for one in classes if issubclass(one, base)]
+    taken = {word: one for one in own for word in _words(one)}
+    for kind, source in added_kinds(module.__name__, base):
+        words = _words(kind)
+        if not words or words[0] in taken:
+            raise FemstructError(
+                source,
+                got=(f"type: {', '.join(words)}, taken by {taken[words[0]].__module__}" if words else "no type"),
+                expected='a word of its own, type: Literal["word"]',
+                do=MEND,
+            )
+        taken |= dict.fromkeys(words, kind)
+    return tuple(dict.fromkeys(taken.values()))
+
+
+def _words(kind: type[BaseModel]) -> tuple[str, ...]:
+    """What tells a kind: the word of its `type`, or keys that no other kind has."""
+    field = kind.model_fields.get("type")
+    return get_args(field.annotation) if field is not None else getattr(kind, "signs", ())
+
+
+def union_of(kinds: Iterable[Any]) -> Any:
+    """The annotation of what is one of these kinds."""
+    return reduce(or_, kinds)
+
+
+def any_of(kinds: Iterable[Any]) -> Any:
+    """The annotation of a field that holds one of these kinds, told apart by their `type`."""
+    return Annotated[union_of(kinds), Field(discriminator="type")]
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Quantities by frequency: one for all, one for each band, or a table of bands in a file beside the YAML file.
+# ----------------------------------------------------------------------------------------------------------------------
+
+T = TypeVar("T")
+OF_FILE: Final = "of_file"  # a mistake that has its own place, in another file
+
+
+@dataclass(frozen=True)
+class Opened:
+    """What a YAML file that is checked may open. file : its name. sources : is given the texts of tables, by name."""
+
+    file: str
+    sources: dict[str, str] = field(default_factory=dict)
+
+
+class BandFile(Spec):
+    """A table of bands as an analyser wrote it, beside this file. column : of several columns of values, the name of
+    the one that is meant."""
+
+    file: Text
+    column: Text | None = None
+
+
+def by_band(quantity: Quantity, expected: str, do: str) -> Callable[[object, ValidationInfo], object]:
+    """Reader of a quantity, of one for each frequency, or of a table of bands: {file: NAME, column: NAME}."""
+
+    def read(value: object, info: ValidationInfo) -> object:
+        if not isinstance(value, dict):
+            return quantity.read(value)
+        if not value:
+            raise refuse("no band", expected, do)
+        if "file" in value:
+            return band_file(value, quantity, info)
+        return each_band(value, quantity.read)
+
+    return read
+
+
+def each_band(value: Mapping[str, Any], read: Callable[[Any], T]) -> dict[float, T]:
+    """What `read` makes of the value at each frequency [Hz], each of them once."""
+    found: dict[float, T] = {}
+    for band, one in value.items():
+        frequency = FREQUENCY.read(band)
+        if frequency in found:
+            raise refuse(f"{frequency:g} Hz twice", "each frequency once", "remove one of them")
+        found[frequency] = read(one)
+    return found
+
+
+def band_file(value: dict[str, Any], quantity: Quantity, info: ValidationInfo) -> dict[float, float]:
+    """Values by band of a table {file: NAME, column: NAME}, each within the limits of its quantity."""
+    column = value.get("column") or ""
+    if not isinstance(column, str):
+        raise refuse(shown_as(value), "the name of a column", "write it like {file: t60.csv, column: T20}")
+
+    def made(path: Path, sources: dict[str, str]) -> dict[float, float]:
+        found = read_bands(path, quantity.dimensions[0], sources, column)
+        for one in found.values():
+            try:
+                quantity.read(one.value)
+            except PydanticCustomError as error:
+                told = error.context or {}
+                wrong = InputError("", got=f"{one.value:g}", expected=told["expected"], do=told["do"])
+                raise wrong_in(path, one.line, wrong) from None
+        return {band: one.value for band, one in found.items()}
+
+    return made_of_file(value, info, made, ("file", "column"))
+
+
+def made_of_file(
+    value: dict[str, Any],
+    info: ValidationInfo,
+    maker: Callable[[Path, dict[str, str]], T],
+    keys: Sequence[str] = ("file",),
+) -> T:
+    """What `maker` makes of the path of {file: NAME} and the texts of files; its mistakes keep their own places."""
+    others, name, opened = [key for key in value if key not in keys], value.get("file"), info.context
+    if others:
+        raise refuse(f"the key '{others[0]}' beside 'file'", " and ".join(f"'{key}'" for key in keys), "remove it")
+    if not isinstance(name, str):
+        raise refuse(shown_as(name), "the name of a file", "write it like {file: t60.csv}")
+    if not isinstance(opened, Opened):
+        raise refuse(f"the file '{name}'", "values", "files are read where a YAML file names them")
+    try:
+        return maker(beside(opened.file, name), opened.sources)
+    except InputErrors as errors:
+        raise PydanticCustomError(OF_FILE, OF_FILE, {"lines": "\n".join(errors.errors)}) from None
+    except FemstructError as error:
+        raise refuse(error.got, error.expected, error.do) from None
