@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import gcd
 from typing import Final, NamedTuple
@@ -282,18 +282,55 @@ def joint_spring_findings(model: Model) -> tuple[Finding, ...]:
 def joint_open_findings(model: Model) -> tuple[Finding, ...]:
     """Joints that leave nodes of one part free that lie on cells of the other, and joints with rigid arms there."""
     found = []
+    for joint, joined in _nodes_of_joints(model):
+        found += _at_a_point(joint, model, joined)
+        for one, other in _that_can_lie(joint, model):
+            found += _armed(joint, model, one, other) if joint.reach else _open(joint, model, one, other, joined)
+    return tuple(found)
+
+
+class Joined(NamedTuple):
+    """What a joint holds together: `size` in `unit`, m of edges and bars or m^2 of cells, `of` what touches in all;
+    None where parts meet at nodes alone."""
+
+    a: str
+    b: str
+    nodes: int
+    size: float | None
+    of: float | None
+    unit: str
+
+
+def joined_over(model: Model) -> dict[str, Joined]:
+    """Each joint of parts with nodes, by its name, and over which length or area it holds them together."""
+    found = {}
+    for joint, joined in _nodes_of_joints(model):
+        best = Joined(joint.a, joint.b, len(joined), None, None, "")
+        for one, other in () if joint.reach else _that_can_lie(joint, model):
+            touch = _touching(joint, model, one, other, joined)
+            lying = _lying(one, other, touch.on, touch.free, model, touch.within)
+            if lying.all > (best.of or 0.0):
+                best = best._replace(size=lying.all - lying.open, of=lying.all, unit=lying.unit)
+        found[joint.name] = best
+    return found
+
+
+def _nodes_of_joints(model: Model) -> Iterator[tuple[Joint, Integers]]:
+    """Joints of parts that are no blocks, and all nodes that each ties or springs."""
     for joint in model.structure.joints:
-        parts = model.parts[joint.a], model.parts[joint.b]
         rows = [tie.rows for tie in model.ties if tie.name == joint.name]
         rows += [spring.rows for spring in model.elastics if spring.name == joint.name]
-        if any(part.box is not None for part in parts) or not rows:
-            continue
-        joined = np.unique(np.concatenate([one.indices for one in rows]) // N_COMPONENTS).astype(np.int64)
-        found += _at_a_point(joint, model, joined)
-        for one, other in (parts, parts[::-1]):
-            if other.has_cells and (one.has_cells or len(one.lines)):
-                found += _armed(joint, model, one, other) if joint.reach else _open(joint, model, one, other, joined)
-    return tuple(found)
+        if rows and all(model.parts[name].box is None for name in (joint.a, joint.b)):
+            indices = np.concatenate([one.indices for one in rows]) // N_COMPONENTS
+            yield joint, np.unique(indices).astype(np.int64)
+
+
+def _that_can_lie(joint: Joint, model: Model) -> Iterator[tuple[Meshed, Meshed]]:
+    """Parts of a joint, the second with cells, the first with cells or bars that can lie on these."""
+    parts = model.parts[joint.a], model.parts[joint.b]
+    for one, other in (parts, parts[::-1]):
+        if other.has_cells and (one.has_cells or len(one.lines)):
+            yield one, other
 
 
 def _at_a_point(joint: Joint, model: Model, joined: Integers) -> list[Finding]:
@@ -329,17 +366,30 @@ def _armed(joint: Joint, model: Model, one: Meshed, other: Meshed) -> list[Findi
     return [Finding("joint-rigid-arms", message, {"arms": len(arms), "arm_m": float(arms.max())})]
 
 
-def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Integers) -> list[Finding]:
-    """Nodes of one part that lie on cells of the other, and that a joint leaves free."""
+class _Touch(NamedTuple):
+    """Nodes of a part that lie on cells of another, those of them that a joint leaves free, how near is near, and by
+    how much curves bow away from their chords."""
+
+    on: Integers
+    free: Integers
+    within: float
+    curved: float
+
+
+def _touching(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Integers) -> _Touch:
     within = _TOUCHING * _size_of_model(model)
     own = joined_nodes(joint, one.name, model, within)
     nodes = np.intersect1d(one.lines.ravel(), own) if len(one.lines) else own
     off = off_near(other, model.mesh.points[nodes])
     there = joined_nodes(joint, other.name, model, within)
     curved = bow_between((one, other), (nodes, there), off, within, model.mesh.points) if len(one.quads) else 0.0
-    within += curved
-    on = nodes[off <= within]
-    free = np.setdiff1d(on, joined)
+    on = nodes[off <= within + curved]
+    return _Touch(on, np.setdiff1d(on, joined), within + curved, curved)
+
+
+def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Integers) -> list[Finding]:
+    """Nodes of one part that lie on cells of the other, and that a joint leaves free."""
+    on, free, within, curved = _touching(joint, model, one, other, joined)
     if not len(free):
         return []
     lying = _lying(one, other, on, free, model, within)

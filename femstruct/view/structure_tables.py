@@ -217,6 +217,8 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
     for name, one in table["hangers"].items():
         screen.print(_hung_told(name, one))
+    for name, joint in table["joints"].items():
+        screen.print(_joint_told(name, joint))
     if table["simple_supports"]:
         told = (f"{name} {one}" for name, one in table["simple_supports"].items())
         screen.print(f"simple supports of edges: {', '.join(told)}")
@@ -251,6 +253,17 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
     show_findings(screen, _read(table["findings"]), verbose)
     if picture:
         screen.print(f"picture: {picture}")
+
+
+def _joint_told(name: str, joint: Row) -> str:
+    """Over how much of what touches a joint holds two parts together."""
+    between = " and ".join(joint["between"])
+    for key, unit in (("m2", "m^2"), ("m", "m")):
+        if (whole := joint.get(f"touching_{key}")) is not None:
+            size = joint[f"joined_{key}"]
+            rest = f" of the {whole:.4g} {unit} that touch" if whole - size > 1e-6 * whole else ", all that touches"
+            return f"joint {name}: {between} are joined over {size:.4g} {unit}{rest}"
+    return f"joint {name}: {between} are joined at {_counted(joint['nodes'], 'node')}"
 
 
 def _room_told(room: Row) -> list[str]:

@@ -20,6 +20,7 @@ from femstruct.language.models import ModelFile
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
 from femstruct.model.model import Model, ModelFacts, model_facts, simple_edges
+from femstruct.parts.joints import joined_over
 from femstruct.study.asked import BlockMode, Extent, RoomPlan, Sag
 from femstruct.study.placed_rooms import placed_room
 from femstruct.study.structures import ModesModel, StructureModel
@@ -127,6 +128,7 @@ class Inspection:
             "box_m": None if facts is None else [facts.low.tolist(), facts.high.tolist()],
             "counts": {} if facts is None else facts.counts,
             "hangers": {} if self.model is None else hung(self.model),
+            "joints": {} if self.model is None else _joint_tables(self.model),
             "simple_supports": {} if self.model is None else simple_edges(self.model),
             "degrees_of_freedom": self.degrees_of_freedom,
             "rigid_body_modes": self.basis.n_rigid,
@@ -150,6 +152,15 @@ class Inspection:
             "drops": list(self.drops),
             "findings": [finding_table(finding) for finding in self.findings],
         }
+
+
+def _joint_tables(model: Model) -> Table:
+    tables: Table = {}
+    for name, one in joined_over(model).items():
+        unit = one.unit.replace("^", "")
+        sizes = {} if one.size is None else {f"joined_{unit}": one.size, f"touching_{unit}": one.of}
+        tables[name] = {"between": [one.a, one.b], "nodes": one.nodes, **sizes}
+    return tables
 
 
 def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress = lambda line: None) -> Inspection:

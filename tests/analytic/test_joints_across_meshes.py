@@ -18,7 +18,7 @@ from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
 from femstruct.model.sections import rectangle
 from femstruct.parts.arrangement import arrangement_findings
-from femstruct.parts.joints import joint_open_findings, joint_spring_findings
+from femstruct.parts.joints import joined_over, joint_open_findings, joint_spring_findings
 
 WOOD = fs.Material("wood", E=11e9, nu=0.3, rho=450.0)
 CONCRETE = fs.Material("concrete", E=30e9, nu=0.2, rho=2400.0)
@@ -412,12 +412,19 @@ def test_sheets_that_touch_at_a_corner_alone_are_said_to() -> None:
     """A square of the same corner is shifted along its neighbour's edge until one corner is left."""
     square = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 
-    def beside(shift: float) -> dict[str, bool]:
+    def model_of(shift: float) -> Model:
         slabs = (
             fs.Slab("a", CONCRETE, 0.1, square, mesh=0.25),
             fs.Slab("b", CONCRETE, 0.1, square, mesh=0.25, origin=(1.0, shift, 0.0)),
         )
-        return findings_of(fs.mesh_structure(fs.Structure("s", slabs, (fs.Joint("j", "a", "b"),))))
+        return fs.mesh_structure(fs.Structure("s", slabs, (fs.Joint("j", "a", "b"),)))
 
-    assert beside(1.0) == {"joint-at-a-point": True}
-    assert beside(0.0) == beside(0.75) == {}
+    assert findings_of(model_of(1.0)) == {"joint-at-a-point": True}
+    assert joined_over(model_of(1.0))["j"].size is None
+    for shift in (0.0, 0.75, 0.6):
+        model = model_of(shift)
+        joined = joined_over(model)["j"]
+        assert findings_of(model) == {} and joined.unit == "m"
+        assert (joined.size, joined.of) == pytest.approx(
+            (1.0 - shift, 1.0 - shift), abs=0.25 / 8
+        )  # an eighth of a cell
