@@ -207,11 +207,14 @@ def _who_meets(mutant: Mutant, source: str, reached: Mapping[str, Mapping[str, A
     anywhere = set().union(*bodies)
     quickest = sorted(reached, key=lambda name: float(reached[name]["seconds"]))
     near: dict[str, set[int]] = {"line": set(_statement(source, mutant.line)), "function": around[-1]} if around else {}
+    of_subject = [name for name in quickest if any(part in name for part in FIRST[mutant.subject])]
     for how, lines in (near | {"file": anywhere}).items():
         names = [name for name in quickest if lines & set(reached[name]["lines"].get(mutant.file, ()))]
+        if how == "file":
+            names.sort(key=lambda name: name not in of_subject)
         if names:
             return how, names
-    return "subject", [name for name in quickest if any(part in name for part in FIRST[mutant.subject])]
+    return "subject", of_subject
 
 
 def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, float]:
@@ -231,7 +234,8 @@ def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, floa
             return mutant, "does not apply", 0.0
         changed.write_text(code, encoding="utf-8")
         near, names = _who_meets(mutant, before, json.loads((options.output / "reached.json").read_text()))
-        seconds = options.seconds / (3 if near == "function" else 1)
+        # Compiled kernels have no lines, and are compiled anew before they are met.
+        seconds = options.seconds * {"line": 1.0, "function": 1 / 3, "file": 1.5, "subject": 1.0}[near]
         words = ["--workers", "1", "--until-fault", "--seconds", str(seconds)]
         word, lines = _checked(copy, copy / "faults", options, names, words)
     difference = difflib.unified_diff(before.splitlines(), code.splitlines(), lineterm="", n=1)
