@@ -21,7 +21,7 @@ from femstruct.study.asked import SETTLED
 from femstruct.study.campaigns import EXCEEDED, MET, UNKNOWN, UNROUNDED, Swept, limit_name, value_name, verdict_name
 from femstruct.study.optima import Found, Front
 from femstruct.study.results import CaseResult
-from femstruct.workflow.compare import verdicts
+from femstruct.workflow.case_comparison import verdicts
 from femstruct.workflow.provenance import Progress
 
 # ----------------------------------------------------------------------------------------------------------------------

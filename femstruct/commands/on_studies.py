@@ -178,8 +178,8 @@ def compare(
     from femstruct.files.results_file import read_results, results_file
     from femstruct.files.study_tables import summary
     from femstruct.files.writing import refuse_unwritable
-    from femstruct.workflow.finished_runs import beside, names_of
     from femstruct.workflow.run import write_all
+    from femstruct.workflow.run_comparison import beside, names_of
 
     if len(results) < 2:
         raise InputError("compare", got="one run", expected="two or more", do="name another results.h5 or its folder")

@@ -25,7 +25,7 @@ from femstruct import tags
 from femstruct.arrays import Floats
 from femstruct.errors import FemstructError
 from femstruct.files.datasets import group, put, put_text
-from femstruct.files.format_4 import tag_of_format_4
+from femstruct.files.results_format_4 import tag_of_format_4
 from femstruct.files.tagged_modules import MODULES
 
 if TYPE_CHECKING:

@@ -51,7 +51,7 @@ IMPACT: Final = (
                 "of the largest stress",
                 "a smooth stress changes by less from cell to cell",
                 CHOSEN,
-                "channels.UNEVEN",
+                "recorded_channels.UNEVEN",
             ),
         ),
     ),
@@ -238,7 +238,7 @@ IMPACT: Final = (
         "the force has the finding contact-beyond-modes, and its peak differs by more than the threshold from that of "
         "the same blow on the infinite plate that is struck; on other parts, from that without residual vectors",
         "Do not quote the force and the rebound. Compute more modes, until both numbers agree.",
-        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "channels.CONVERGED"),),
+        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"),),
     ),
     Entry(
         "preloads-add",
@@ -421,7 +421,11 @@ STUDY: Final = (
         "where contacts reach beyond the modes, also what half of the residual vectors change, and twice the threshold "
         "what all change, in the contact forces too, and what the rebound of a force with force-beyond-modes changes",
         "Do not quote the numbers with '?'. Compute more modes.",
-        (Limit(0.05, "% of the number", "more changes a figure that is quoted", CHOSEN, "channels.CONVERGED"),),
+        (
+            Limit(
+                0.05, "% of the number", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"
+            ),
+        ),
     ),
     Entry(
         "perception-beyond-modes",

@@ -147,7 +147,15 @@ MODES: Final = (
         "the plate there are too low by more than the threshold if the ribs do not turn: 1 - (clear span / distance)^2",
         "Nothing, where the ribs bend with the plate, as in the first modes of a floor. Where modes of the plate "
         "between ribs count, use plates or solids for ribs.",
-        (Limit(0.05, "of a frequency", "the bound; ribs that turn leave a third of it", _STRIPS, "ribs.WIDE_NOTABLE"),),
+        (
+            Limit(
+                0.05,
+                "of a frequency",
+                "the bound; ribs that turn leave a third of it",
+                _STRIPS,
+                "rib_findings.WIDE_NOTABLE",
+            ),
+        ),
     ),
     Entry(
         "fewer-modes-than-usual",
@@ -168,7 +176,7 @@ MODES: Final = (
                 "cells a bending wavelength",
                 "frequencies of bfs16 and acm12 are right to about 1 %",
                 CHOSEN,
-                "waves.CELLS_PER_WAVE",
+                "wave_findings.CELLS_PER_WAVE",
             ),
             Limit(
                 8.0,
@@ -176,28 +184,28 @@ MODES: Final = (
                 "frequencies of linear cells are 2.6 % too high along their sides and 1.7 % too low along their "
                 "diagonals",
                 "tests/analytic/test_elements_shells.py",
-                "waves.CELLS",
+                "wave_findings.CELLS",
             ),
             Limit(
                 16.0,
                 "linear cells a wavelength of solids",
                 "bending frequencies of hex8 are 2 % too high",
                 "tests/analytic/test_solid_meshes.py",
-                "waves.LINEAR",
+                "wave_findings.LINEAR",
             ),
             Limit(
                 8.0,
                 "quadratic cells a wavelength of solids",
                 "bending frequencies of hex20 are 1.5 % too high",
                 "tests/analytic/test_solid_meshes.py",
-                "waves.QUADRATIC",
+                "wave_findings.QUADRATIC",
             ),
             Limit(
                 2.0,
                 "cells a bending wavelength",
                 "below, the mesh cannot represent the wave",
                 "sampling theorem",
-                "waves.NO_WAVE",
+                "wave_findings.NO_WAVE",
                 forbids=True,
             ),
             Limit(
@@ -205,14 +213,14 @@ MODES: Final = (
                 "bars a wavelength, cubic interpolation",
                 "frequencies are right to 0.4 %",
                 "tests/analytic/test_frame_waves.py",
-                "waves.CUBIC",
+                "wave_findings.CUBIC",
             ),
             Limit(
                 13.0,
                 "bars a wavelength, linear interpolation",
                 "frequencies are right to 1 %",
                 "tests/analytic/test_frame_waves.py",
-                "waves.LINEAR_BARS",
+                "wave_findings.LINEAR_BARS",
             ),
         ),
         forbids="a bending wavelength of a plate spans fewer than 2 cells",
@@ -225,10 +233,19 @@ MODES: Final = (
         "Use 'type: slab', which shears. Or correct the first frequency by the error; higher ones are further off.",
         (
             Limit(
-                0.005, "% of the first frequency", "less is below the error of a mesh", _MINDLIN, "waves.NOTABLE_SHEAR"
+                0.005,
+                "% of the first frequency",
+                "less is below the error of a mesh",
+                _MINDLIN,
+                "wave_findings.NOTABLE_SHEAR",
             ),
             Limit(
-                0.5, "% of the first frequency", "it is no longer a plate", CHOSEN, "waves.GROSS_SHEAR", forbids=True
+                0.5,
+                "% of the first frequency",
+                "it is no longer a plate",
+                CHOSEN,
+                "wave_findings.GROSS_SHEAR",
+                forbids=True,
             ),
         ),
         forbids="the first frequency is more than 50 % too high",
@@ -246,14 +263,14 @@ MODES: Final = (
                 "% of the deflection",
                 "without shear a frequency is 5 % too high",
                 "waves in layers, tests/analytic/test_laminates.py",
-                "waves.SHEARED",
+                "wave_findings.SHEARED",
             ),
             Limit(
                 1.0 / 6.0,
                 "% of the deflection",
                 "a frequency is 10 % too high",
                 "waves in layers, tests/analytic/test_laminates.py",
-                "waves.GROSSLY_SHEARED",
+                "wave_findings.GROSSLY_SHEARED",
                 forbids=True,
             ),
         ),
@@ -299,7 +316,7 @@ MODES: Final = (
                 "shear shortens waves of a frequency by about 3 %, and lowers a mode of this wavelength by more "
                 "than 5 %",
                 "Mindlin plate, tests/analytic/test_shear_left_out.py",
-                "waves.SLENDER",
+                "wave_findings.SLENDER",
             ),
         ),
     ),
@@ -386,7 +403,7 @@ MODES: Final = (
         LIMITS,
         "residual vectors change the peak by more than the threshold",
         "Do not quote the peak. Use 'peaks: {lowpass: F}' with F below the last mode.",
-        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "channels.CONVERGED"),),
+        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"),),
     ),
     Entry(
         "pressure-cut-off",
@@ -395,7 +412,7 @@ MODES: Final = (
         "its peak is another one by more than the threshold if there were silence after the window. What follows the "
         "window is computed for motions and forces; for pressures it is not",
         "Do not quote the peak. Simulate longer, until the room is quiet.",
-        (Limit(0.01, "% of the peak", "less is not seen in decibels", CHOSEN, "channels.CUT_OFF"),),
+        (Limit(0.01, "% of the peak", "less is not seen in decibels", CHOSEN, "recorded_channels.CUT_OFF"),),
     ),
     Entry(
         "fatigue-coarsely-sampled",
@@ -403,7 +420,7 @@ MODES: Final = (
         LIMITS,
         "the largest sample is below the peak by more than the threshold share",
         "Raise 'time: sampling'.",
-        (Limit(0.02, "% of the peak", "6 % of the damage with a slope of 3", CHOSEN, "channels.MISSED"),),
+        (Limit(0.02, "% of the peak", "6 % of the damage with a slope of 3", CHOSEN, "recorded_channels.MISSED"),),
     ),
     Entry(
         "damage-not-converged",
@@ -413,7 +430,15 @@ MODES: Final = (
         "range R differs by more than the threshold, or its damage, which goes as R^slope, by more than 1 - 0.95^slope",
         "Do not quote the damage. Compute more modes, and a finer mesh where the stress is uneven. The low-pass of "
         "'peaks' filters peaks, not what is counted.",
-        (Limit(0.05, "% of the largest range", "with a slope of 3, 14 % of the damage", CHOSEN, "channels.CONVERGED"),),
+        (
+            Limit(
+                0.05,
+                "% of the largest range",
+                "with a slope of 3, 14 % of the damage",
+                CHOSEN,
+                "recorded_channels.CONVERGED",
+            ),
+        ),
     ),
     Entry(
         "random-damage-estimated",
@@ -437,7 +462,7 @@ MODES: Final = (
         LIMITS,
         "the change with and without residual vectors differs by more than the threshold",
         "Do not quote the change. Use 'peaks: {lowpass: F}' with F below the last mode.",
-        (Limit(5.0, "percentage points", "more changes a figure that is quoted", CHOSEN, "channels.CHANGED"),),
+        (Limit(5.0, "percentage points", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CHANGED"),),
     ),
 )
 

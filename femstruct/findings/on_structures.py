@@ -118,7 +118,7 @@ PLAUSIBILITY: Final = (
                 "% of the size of the structure",
                 "isolators and hangers are shorter",
                 CHOSEN,
-                "joints.FAR",
+                "joint_findings.FAR",
             ),
         ),
     ),
@@ -160,7 +160,7 @@ STRUCTURE: Final = (
                 "of the highest frequency of the modes kept",
                 "a floor of two parts erred by 2e-6 at 0.67 of it, by 3e-4 at 0.86",
                 "tests/analytic/test_craig_bampton.py",
-                "waves.BEYOND",
+                "wave_findings.BEYOND",
             ),
         ),
     ),
@@ -235,7 +235,7 @@ STRUCTURE: Final = (
                 "of half the depth of a bar and half the thickness of a plate",
                 "a bar nearer than that touches it",
                 CHOSEN,
-                "ribs.REACHED",
+                "rib_findings.REACHED",
             ),
         ),
         forbids="the part can move freely, touches or reaches the others, or the rest is itself free",
@@ -298,7 +298,11 @@ STRUCTURE: Final = (
         FORBIDS,
         "the mass of a part is many times that of all others",
         "Check the units, or replace the heavy part by a support.",
-        (Limit(1e6, "times the mass of the rest", "such a mass acts as ground", CHOSEN, "arrangement.DOMINATES"),),
+        (
+            Limit(
+                1e6, "times the mass of the rest", "such a mass acts as ground", CHOSEN, "connection_findings.DOMINATES"
+            ),
+        ),
     ),
     Entry(
         "overlapping-parts",
@@ -308,8 +312,15 @@ STRUCTURE: Final = (
         "cells of two meshes have one middle",
         "Move one part. The origin of a plate is on its mid-surface.",
         (
-            Limit(0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "arrangement.REACHES"),
-            Limit(0.5, "of the thinner part", "most of it counts twice", CHOSEN, "arrangement.INSIDE", forbids=True),
+            Limit(0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "connection_findings.REACHES"),
+            Limit(
+                0.5,
+                "of the thinner part",
+                "most of it counts twice",
+                CHOSEN,
+                "connection_findings.INSIDE",
+                forbids=True,
+            ),
         ),
         forbids="half of the thinner part overlaps",
     ),
@@ -334,7 +345,7 @@ STRUCTURE: Final = (
         REMARK,
         "a layer 'whole' fills less than the whole side of the smaller part",
         "Check the positions of both parts.",
-        (Limit(0.999, "of the side", "less is more than rounding", CHOSEN, "arrangement.WHOLE"),),
+        (Limit(0.999, "of the side", "less is more than rounding", CHOSEN, "connection_findings.WHOLE"),),
     ),
     Entry(
         "eccentric-bars",
@@ -344,7 +355,7 @@ STRUCTURE: Final = (
         "Use 'in_plane: elastic' and the element bfs16.",
         (
             Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "foundation.NOTABLE"),
-            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "ribs.SEVERE", forbids=True),
+            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "rib_findings.SEVERE", forbids=True),
         ),
         forbids="the frequency is more than 1 % too high",
     ),
@@ -356,7 +367,7 @@ STRUCTURE: Final = (
         "Use 'simple' or 'roller' edges, or let a clamped end slide along the ribs, as 'fix: [y, z, rx, ry, rz]' for "
         "ribs along x; nothing where the supports are as stiff as rock along the ribs. On a set or box of a slab or "
         "shell 'simple' holds x, y and z of every node: write the directions, such as [y, z] at one of the two ends.",
-        (Limit(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "ribs.ARCH_NOTABLE"),),
+        (Limit(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "rib_findings.ARCH_NOTABLE"),),
     ),
     Entry(
         "joint-springs-by-node",
@@ -416,7 +427,7 @@ STRUCTURE: Final = (
         "Use 'in_plane: elastic' and the element bfs16.",
         (
             Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "foundation.NOTABLE"),
-            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "ribs.SEVERE", forbids=True),
+            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "rib_findings.SEVERE", forbids=True),
         ),
         forbids="the frequency is more than 1 % too high",
     ),
@@ -432,7 +443,7 @@ STRUCTURE: Final = (
                 "of the first in-plane frequency",
                 "from there on modes are some per cent too high",
                 _SOLIDS,
-                "waves.NEAR",
+                "wave_findings.NEAR",
             ),
         ),
         forbids="modes are asked for beyond the first in-plane frequency",

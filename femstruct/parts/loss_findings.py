@@ -11,7 +11,7 @@ from femstruct.model.lay_ups import Laminate
 from femstruct.model.materials import LABORATORY, Loss, LossByFrequency, loss_at
 from femstruct.model.model import Model
 from femstruct.parts.plate import plates_of
-from femstruct.parts.waves import shells_of
+from femstruct.parts.wave_findings import shells_of
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Layers whose losses are mostly in shear, as of a damped core, of thin plates, which have no shear that could lose.

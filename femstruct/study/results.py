@@ -271,7 +271,7 @@ class StudyResult:
 
     models holds None for closed-form structures. findings : of the run as a whole. timings : CPU seconds by stage.
     provenance : versions, platform, date, command line. verdicts : by case, on the limits of the study. machine : by
-    case, where the study is about one (see `femstruct.workflow.compare`), else empty.
+    case, where the study is about one (see `femstruct.workflow.case_comparison`), else empty.
 
     A ball falls on the ground. ``cases`` has what was found, by the names of the cases; a history is beside its times:
 

@@ -20,14 +20,15 @@ from femstruct.impact.response import Response
 from femstruct.impact.scene import Clock
 from femstruct.impact.simulate import simulate
 from femstruct.model.model import Model
-from femstruct.parts.waves import CELLS_PER_WAVE, carried_hz
+from femstruct.parts.wave_findings import CELLS_PER_WAVE, carried_hz
 from femstruct.study.asked import AccuracyRule, Extent
 from femstruct.study.results import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
 from femstruct.study.study import Case
 from femstruct.units import readable
 from femstruct.workflow.bases import Solved, damped, key_of, solve
-from femstruct.workflow.channels import (
+from femstruct.workflow.coupled_air import coupled
+from femstruct.workflow.recorded_channels import (
     AT_REST,
     STRESS,
     UNITS,
@@ -38,7 +39,6 @@ from femstruct.workflow.channels import (
     in_band,
     walked,
 )
-from femstruct.workflow.coupled_air import coupled
 from femstruct.workflow.staging import scene
 
 GROWTH = 2  # in frequency, or in the number of modes of a closed-form structure

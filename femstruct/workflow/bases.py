@@ -32,7 +32,7 @@ from femstruct.model.part import Meshed
 from femstruct.model.probe import Point, Probe, StressPlaces, Surface
 from femstruct.model.structure import Structure
 from femstruct.parts.hangers import Hangers
-from femstruct.parts.joints import pieces
+from femstruct.parts.joint_findings import pieces
 from femstruct.sound.cavity_coupling import all_cavities, with_cavities
 from femstruct.study.acting import MeasuredSource, PlacedBody, PlannedContact, PlannedLink
 from femstruct.study.asked import VOLUME_VELOCITY, Extent, Sag, Spot, Vibration

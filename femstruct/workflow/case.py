@@ -39,20 +39,7 @@ from femstruct.study.results import NO_OWN_SOUND, AccuracyCheck, CaseResult, Dro
 from femstruct.study.study import Case, Study
 from femstruct.workflow.accuracy import accuracy_findings
 from femstruct.workflow.bases import Places, Solved, damped
-from femstruct.workflow.channels import (
-    cut_off_findings,
-    damage_findings,
-    evaluated,
-    fatigue_findings,
-    fatigues,
-    motion_rows,
-    nothing_evaluated,
-    peak_findings,
-    record,
-    refuse_absent_forces,
-    stress_findings,
-)
-from femstruct.workflow.compare import judged
+from femstruct.workflow.case_comparison import judged
 from femstruct.workflow.coupled_air import RoomTransfers, coupled, coupled_key, weight_on_air
 from femstruct.workflow.impact_findings import (
     aliased_findings,
@@ -95,6 +82,19 @@ from femstruct.workflow.rated_rooms import (
     method_for,
     overlap_findings,
     rate_rooms,
+)
+from femstruct.workflow.recorded_channels import (
+    cut_off_findings,
+    damage_findings,
+    evaluated,
+    fatigue_findings,
+    fatigues,
+    motion_rows,
+    nothing_evaluated,
+    peak_findings,
+    record,
+    refuse_absent_forces,
+    stress_findings,
 )
 from femstruct.workflow.responses import frequency_response, random_fatigues, vibrations
 from femstruct.workflow.staging import levels_by_receiver, own_findings, scene, sound_of_bodies

@@ -20,7 +20,7 @@ from femstruct.language.models import ModelFile
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh
 from femstruct.model.model import Model, ModelFacts, model_facts, simple_edges
-from femstruct.parts.joints import joined_over
+from femstruct.parts.joint_findings import joined_over
 from femstruct.study.asked import BlockMode, Extent, RoomPlan, Sag
 from femstruct.study.placed_rooms import placed_room
 from femstruct.study.structures import ModesModel, StructureModel
@@ -38,10 +38,10 @@ from femstruct.workflow.bases import (
     shown_in_air,
     solve,
 )
-from femstruct.workflow.channels import refuse_absent_forces
 from femstruct.workflow.impact_findings import coarse_sampling, room_findings
 from femstruct.workflow.modes import DEFAULT_MODES, damped_as_far_as_solved
 from femstruct.workflow.provenance import Progress
+from femstruct.workflow.recorded_channels import refuse_absent_forces
 from femstruct.workflow.responses import excited, response_row
 from femstruct.workflow.staging import force_probes, scene, spheres_before
 from femstruct.workflow.study_findings import all_findings, blanks_before, early_findings, of_cases, study_findings

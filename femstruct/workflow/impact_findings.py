@@ -48,8 +48,8 @@ from femstruct.study.recorded import NET_FORCE, Channel
 from femstruct.study.study import Study
 from femstruct.units import readable
 from femstruct.workflow.bases import Places, planned_contacts
-from femstruct.workflow.channels import CONVERGED, LessStatic, OtherPush
 from femstruct.workflow.rated_floors import LONGEST_S, infinite, on_resistance
+from femstruct.workflow.recorded_channels import CONVERGED, LessStatic, OtherPush
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Samples too few for what vibrates: of recorded histories, of the motion that is heard, of peaks between them.

@@ -35,8 +35,8 @@ from femstruct.study.asked import Beside, FrfRequest, Spot
 from femstruct.study.study import Plan, Study
 from femstruct.units import quantity
 from femstruct.workflow.bases import Places, meshed
-from femstruct.workflow.channels import UNITS
 from femstruct.workflow.fit import Fit, Parameter
+from femstruct.workflow.recorded_channels import UNITS
 from femstruct.workflow.responses import response_row
 from femstruct.workflow.trial import Change, Moded, Needs, Trial
 from femstruct.yaml.reader import nearest

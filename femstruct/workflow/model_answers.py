@@ -36,10 +36,10 @@ from femstruct.study.results import Frf
 from femstruct.study.study import Study
 from femstruct.units import quantity
 from femstruct.workflow.bases import Places, Solved, in_air, positioned, solve
-from femstruct.workflow.channels import judged, orthotropic_findings, stress_at_rest, stress_findings
 from femstruct.workflow.impact_findings import room_findings
 from femstruct.workflow.modes import frequency_option
 from femstruct.workflow.provenance import Progress
+from femstruct.workflow.recorded_channels import judged, orthotropic_findings, stress_at_rest, stress_findings
 from femstruct.workflow.responses import force_axis, frequency_response
 from femstruct.workflow.structure_findings import structure_findings_before
 from femstruct.workflow.study_findings import all_findings

@@ -49,7 +49,8 @@ from femstruct.study.recorded import LargestStress
 from femstruct.study.results import Frf
 from femstruct.study.study import Study
 from femstruct.workflow.bases import Places
-from femstruct.workflow.channels import (
+from femstruct.workflow.provenance import Progress, counted
+from femstruct.workflow.recorded_channels import (
     MOTIONS,
     SIDEWAYS,
     STRESS,
@@ -59,7 +60,6 @@ from femstruct.workflow.channels import (
     stress_findings,
     uneven,
 )
-from femstruct.workflow.provenance import Progress, counted
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Frequency responses as studies and the command line ask for them.

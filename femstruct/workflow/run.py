@@ -30,10 +30,10 @@ from femstruct.view.page import write_report
 from femstruct.workflow.accuracy import hold_accuracy
 from femstruct.workflow.bases import Solved, changes_damping, fingerprint, in_air, key_of, solve_all
 from femstruct.workflow.case import expected_units, run_case
-from femstruct.workflow.channels import change_findings
-from femstruct.workflow.compare import Spectra, compare, machines, verdicts
+from femstruct.workflow.case_comparison import Spectra, compare, machines, verdicts
 from femstruct.workflow.coupled_air import RoomTransfers, coupled
 from femstruct.workflow.provenance import Progress, Stopwatch, inputs_of, provenance
+from femstruct.workflow.recorded_channels import change_findings
 
 # ----------------------------------------------------------------------------------------------------------------------
 # What a run leaves behind: one results file, tables, sound, and pictures.

@@ -20,8 +20,8 @@ from femstruct.model.materials import Material, loss_at
 from femstruct.model.model import Model
 from femstruct.model.structure import AirBetween, Bays, Structure
 from femstruct.model.unused import unused_findings
-from femstruct.parts.arrangement import arrangement_findings, overhang_findings, twice_findings
-from femstruct.parts.joints import (
+from femstruct.parts.connection_findings import arrangement_findings, overhang_findings, twice_findings
+from femstruct.parts.joint_findings import (
     far_spring_findings,
     joint_open_findings,
     joint_spring_findings,
@@ -30,8 +30,8 @@ from femstruct.parts.joints import (
 )
 from femstruct.parts.loss_findings import layer_loss_findings, total_loss_findings
 from femstruct.parts.plausibility import material_findings, plausibility_findings
-from femstruct.parts.ribs import arched_findings, eccentric_findings, wide_rib_findings
-from femstruct.parts.waves import folded_findings, mesh_findings, model_findings, reduced_findings
+from femstruct.parts.rib_findings import arched_findings, eccentric_findings, wide_rib_findings
+from femstruct.parts.wave_findings import folded_findings, mesh_findings, model_findings, reduced_findings
 from femstruct.sound.cavity_coupling import all_cavities, shared
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study

@@ -17,16 +17,16 @@ from femstruct.impact.blow_by_blow import left_out_finding
 from femstruct.impact.scene import DROPPED, Blows, HalfSine
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.structure import Structure
-from femstruct.parts.waves import cell_for
+from femstruct.parts.wave_findings import cell_for
 from femstruct.study.acting import PlacedBody, PlannedLoad
 from femstruct.study.asked import FrfRequest, RoomPlan, TimePlan
 from femstruct.study.placed_rooms import placed_room
 from femstruct.study.study import Case, Study
 from femstruct.workflow.bases import MeshedStructure, Places, Solved
-from femstruct.workflow.channels import STRESS, orthotropic_findings
 from femstruct.workflow.impact_findings import hammer_findings, load_findings, room_findings, source_unresolved
 from femstruct.workflow.rated_floors import fillable, statistical_plate
 from femstruct.workflow.rated_rooms import method_for, rated_findings
+from femstruct.workflow.recorded_channels import STRESS, orthotropic_findings
 from femstruct.workflow.responses import beyond_modes, undamped_findings
 from femstruct.workflow.structure_findings import structure_findings, structure_findings_before, undamped_motion
 

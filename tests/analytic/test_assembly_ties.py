@@ -22,7 +22,7 @@ from femstruct.model.sections import circle, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
-from femstruct.parts.joints import joint_spring_findings
+from femstruct.parts.joint_findings import joint_spring_findings
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
 from femstruct.parts.spring import Spring

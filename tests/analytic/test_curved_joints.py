@@ -11,7 +11,7 @@ import pytest
 import femstruct as fs
 from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
-from femstruct.parts.joints import joint_open_findings
+from femstruct.parts.joint_findings import joint_open_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

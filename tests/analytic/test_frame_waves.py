@@ -12,7 +12,7 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.sections import Section
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.frame import Frame
-from femstruct.parts.waves import carried_hz, frame_waves, mesh_findings
+from femstruct.parts.wave_findings import carried_hz, frame_waves, mesh_findings
 
 ROUNDING = 1e-13  # rounding: 6e-16 here at most
 

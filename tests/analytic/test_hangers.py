@@ -25,7 +25,7 @@ from femstruct.parts.hangers import Hangers
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import plausibility_findings
 from femstruct.parts.slab import Slab
-from femstruct.workflow.channels import stress_at_rest
+from femstruct.workflow.recorded_channels import stress_at_rest
 
 ROUNDING = 1e-9  # rounding of rigid motions beside stiff plates: 2e-11 here
 RIGID = 1e-4  # of a frequency: plates 3 m wide of 3e16 Pa bend by less

@@ -15,7 +15,7 @@ import femstruct as fs
 from femstruct.elements.solid import reference_nodes, shapes
 from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
-from femstruct.parts.joints import joint_open_findings
+from femstruct.parts.joint_findings import joint_open_findings
 
 Array = NDArray[np.float64]
 Corner = tuple[float, float, float]

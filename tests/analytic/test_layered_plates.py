@@ -19,8 +19,8 @@ from femstruct.parts.frame import Frame
 from femstruct.parts.loss_findings import layer_loss_findings
 from femstruct.parts.plate import Plate, PlateMesh
 from femstruct.parts.plausibility import material_findings, plausibility_findings
-from femstruct.parts.ribs import rib_errors
-from femstruct.parts.waves import bending_wavelength, mesh_findings, model_findings, shear_excess
+from femstruct.parts.rib_findings import rib_errors
+from femstruct.parts.wave_findings import bending_wavelength, mesh_findings, model_findings, shear_excess
 from femstruct.workflow.structure_findings import structure_findings_before
 
 ROUNDING = 1e-12  # sums of some tens of terms in double precision

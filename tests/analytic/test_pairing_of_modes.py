@@ -15,7 +15,7 @@ from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure, Support
 from femstruct.parts.plate import Plate
-from femstruct.workflow.compare import mode_table
+from femstruct.workflow.case_comparison import mode_table
 
 STEEL = Material("steel", E=210e9, nu=0.3, rho=7850.0)
 ROUNDING = 1e-9  # of the eigenvectors, squared, and of sums of a hundred products

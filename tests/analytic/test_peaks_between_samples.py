@@ -20,7 +20,7 @@ from femstruct.modal.closed_form import given_modes, oscillator
 from femstruct.study.asked import PeakRule
 from femstruct.study.recorded import Channel
 from femstruct.study.results import CaseResult
-from femstruct.workflow.channels import Peaks, between, converged, cut_off_findings, in_band
+from femstruct.workflow.recorded_channels import Peaks, between, converged, cut_off_findings, in_band
 from femstruct.workflow.run import run_study
 
 LOW = 0.995  # two of 32 samples a period beside the top of a sine: 1 - (pi / 32)^2 / 2

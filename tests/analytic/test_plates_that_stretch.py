@@ -15,7 +15,7 @@ from scipy.sparse.linalg import spsolve
 import femstruct as fs
 from femstruct.model.model import Model
 from femstruct.model.sections import rectangle
-from femstruct.parts.ribs import wide_rib_findings
+from femstruct.parts.rib_findings import wide_rib_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 CHIPBOARD, TIMBER = fs.Material("chipboard", 3e9, 0.0, 650.0), fs.Material("timber", 11e9, 0.2, 420.0)

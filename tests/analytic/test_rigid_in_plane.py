@@ -26,8 +26,8 @@ from femstruct.model.structure import Joint, Structure, Support
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate, PlateMesh
-from femstruct.parts.ribs import RibError, eccentric_findings, rib_errors
-from femstruct.parts.waves import folded_findings, in_plane_limit
+from femstruct.parts.rib_findings import RibError, eccentric_findings, rib_errors
+from femstruct.parts.wave_findings import folded_findings, in_plane_limit
 
 rigid = partial(Plate, in_plane="rigid")
 ROUNDING = 1e-12  # rounding: 4e-15 here at most

@@ -8,7 +8,7 @@ import pytest
 import femstruct as fs
 from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
-from femstruct.parts.joints import shared_node_findings
+from femstruct.parts.joint_findings import shared_node_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 

@@ -15,7 +15,7 @@ from femstruct.model.lay_ups import section_of
 from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
-from femstruct.parts.waves import SLENDER, bending_wavelength, cell_for, mesh_findings, with_shear
+from femstruct.parts.wave_findings import SLENDER, bending_wavelength, cell_for, mesh_findings, with_shear
 
 CONCRETE = Material("concrete", 30e9, 0.2, 2400.0)
 MODEL = """

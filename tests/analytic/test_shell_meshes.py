@@ -237,7 +237,7 @@ def test_points_and_surfaces_follow_a_rigid_motion() -> None:
 
 def test_cells_that_are_too_long_for_a_frequency_are_found_and_those_that_are_not_are_right() -> None:
     """Eight cells a wave of a plate that bends along one direction: 2.6 % too high, and no finding from there on."""
-    from femstruct.parts.waves import carried_hz, mesh_findings
+    from femstruct.parts.wave_findings import carried_hz, mesh_findings
 
     mesh = sheet(8, 1, 0.5, 0.0625)
     model = fs.mesh_structure(fs.Structure("a", (fs.Shell("part", mesh, STEEL, T),)))

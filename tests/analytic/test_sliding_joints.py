@@ -12,7 +12,7 @@ import femstruct as fs
 from femstruct.language.models import read_model
 from femstruct.model.plates_and_bars import pieces_of
 from femstruct.model.sections import rectangle
-from femstruct.parts.ribs import rib_errors
+from femstruct.parts.rib_findings import rib_errors
 
 TIMBER = fs.Material("timber", E=11e9, nu=0.0, rho=450.0)
 L, WIDE, THICK, RIB, HIGH = 6.0, 0.3, 0.03, 0.06, 0.2  # m

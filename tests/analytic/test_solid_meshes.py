@@ -11,7 +11,7 @@ from femstruct.elements import solid
 from femstruct.errors import InputError
 from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.sections import rectangle
-from femstruct.parts.waves import carried_hz, mesh_findings
+from femstruct.parts.wave_findings import carried_hz, mesh_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 FLAT = fs.Material("flat", E=210e9, nu=0.0, rho=7850.0)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import femstruct as fs
 from femstruct.model.sections import rectangle
-from femstruct.parts.ribs import arched_findings
+from femstruct.parts.rib_findings import arched_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 CONCRETE = fs.Material("concrete", 32e9, 0.2, 2400.0)

@@ -16,7 +16,7 @@ from femstruct.impact.resampled import mean_acceleration
 from femstruct.language.cases import read_study
 from femstruct.study.results import CaseResult, StudyResult
 from femstruct.view.terminal import show_study
-from femstruct.workflow.channels import in_band
+from femstruct.workflow.recorded_channels import in_band
 from femstruct.workflow.run import run_study
 
 ROD = """

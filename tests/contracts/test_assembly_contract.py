@@ -23,7 +23,7 @@ from femstruct.parts.frame import Frame
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
 from femstruct.parts.spring import Spring
-from femstruct.parts.waves import model_findings
+from femstruct.parts.wave_findings import model_findings
 
 ROUNDING = 1e-13  # rounding: 9e-16 here at most
 

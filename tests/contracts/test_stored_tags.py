@@ -31,7 +31,7 @@ import femstruct.tags
 from acoustics.levels.standards import STANDARDS, method_of
 from femstruct.errors import FemstructError, Finding
 from femstruct.evaluations.known_evaluations import EVALUATIONS
-from femstruct.files import format_4, stored_values
+from femstruct.files import results_format_4, stored_values
 from femstruct.files.results_file import read_results
 from femstruct.files.stored_values import Newer, is_noun, kind_of, restored, stored, tag_of
 from femstruct.files.tagged_modules import MODULES
@@ -131,12 +131,12 @@ def test_tags_are_unique_and_their_table_is_up_to_date() -> None:
 
 
 def test_what_format_4_named_is_frozen_and_known() -> None:
-    told = "\n".join(f"{name} {tag}" for name, tag in sorted(format_4._TAGS.items()))
+    told = "\n".join(f"{name} {tag}" for name, tag in sorted(results_format_4._TAGS.items()))
     assert (
         hashlib.sha256(told.encode()).hexdigest() == "173fb671fb833560c3336b123ab33b0c91d27e06651f5ba9b187b4ca20d65128"
     )
-    for name in format_4._TAGS:
-        newest = tag = format_4.tag_of_format_4(name.replace("/", "."))
+    for name in results_format_4._TAGS:
+        newest = tag = results_format_4.tag_of_format_4(name.replace("/", "."))
         while newest in stored_values.NEWER:
             newest = stored_values.NEWER[newest].tag
         assert tag is not None and kind_of(newest) is not None

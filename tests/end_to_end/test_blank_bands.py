@@ -20,8 +20,8 @@ from femstruct.study.results import StudyResult
 from femstruct.view.sound_figures import rated_bands
 from femstruct.view.spectra import sound
 from femstruct.view.terminal import show_study
+from femstruct.workflow.case_comparison import verdicts
 from femstruct.workflow.check import inspect_file
-from femstruct.workflow.compare import verdicts
 from femstruct.workflow.run import run_study
 from femstruct.workflow.study_findings import blanks_before
 

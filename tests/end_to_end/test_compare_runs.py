@@ -15,8 +15,8 @@ from femstruct.study.recorded import Channel
 from femstruct.study.results import StudyResult
 from femstruct.view.case_tables import machine
 from femstruct.view.page import report
-from femstruct.workflow.finished_runs import _between, _File, beside, differences, names_of
 from femstruct.workflow.run import run_study
+from femstruct.workflow.run_comparison import _between, _File, beside, differences, names_of
 from tests.data.command_line import femstruct
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"

@@ -15,11 +15,11 @@ from femstruct.study.results import CaseResult
 from femstruct.view.histories import history
 from femstruct.view.terminal import study_tables
 from femstruct.workflow.bases import solve_all
-from femstruct.workflow.channels import converged
 from femstruct.workflow.check import inspect_file
 from femstruct.workflow.exchange import frfs_of
 from femstruct.workflow.identify import identify
 from femstruct.workflow.model_answers import frf_of
+from femstruct.workflow.recorded_channels import converged
 from femstruct.workflow.run import run_study
 from tests.data.command_line import femstruct
 

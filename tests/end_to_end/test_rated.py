@@ -19,7 +19,7 @@ from femstruct.view.answer_tables import ratings
 from femstruct.view.page import table
 from femstruct.view.sound_figures import rated_bands
 from femstruct.view.terminal import show_study
-from femstruct.workflow.compare import verdicts
+from femstruct.workflow.case_comparison import verdicts
 from femstruct.workflow.run import run_study
 
 MODEL = """

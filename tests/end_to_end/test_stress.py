@@ -12,7 +12,7 @@ from femstruct.impact.resampled import closer
 from femstruct.language.cases import read_study
 from femstruct.view.answer_tables import stresses
 from femstruct.view.case_tables import limits
-from femstruct.workflow.channels import in_band, largest_stress, walked
+from femstruct.workflow.recorded_channels import in_band, largest_stress, walked
 from femstruct.workflow.run import run_study
 
 MODEL = """
@@ -74,7 +74,7 @@ def test_blocks_of_any_length_give_the_same(result, monkeypatch):
     (model,) = result.models.values()
     places, q = model.parts["leg"].stresses(model.mesh.n_nodes), case.response.q
     whole = walked(places, case.basis.shapes, q)
-    monkeypatch.setattr("femstruct.workflow.channels.AT_ONCE", 1000)
+    monkeypatch.setattr("femstruct.workflow.recorded_channels.AT_ONCE", 1000)
     for one, other in zip(whole, walked(places, case.basis.shapes, q), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9)  # rounding of products of other shapes
 

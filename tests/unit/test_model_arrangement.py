@@ -14,12 +14,12 @@ from femstruct.model.part import Part
 from femstruct.model.regions import Region
 from femstruct.model.sections import Section, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
-from femstruct.parts.arrangement import arrangement_findings, twice_findings
 from femstruct.parts.block import Block
+from femstruct.parts.connection_findings import arrangement_findings, twice_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.inertia import Inertia
-from femstruct.parts.joints import pieces
+from femstruct.parts.joint_findings import pieces
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
 from femstruct.parts.slab import Slab

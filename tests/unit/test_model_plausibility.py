@@ -19,15 +19,15 @@ from femstruct.model.part import Part
 from femstruct.model.regions import Region
 from femstruct.model.sections import Section, circle, rectangle, tube
 from femstruct.model.structure import PlaceOn, Structure, Support
-from femstruct.parts.arrangement import overhang_findings
 from femstruct.parts.block import Block
+from femstruct.parts.connection_findings import overhang_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
 from femstruct.parts.plausibility import material_findings, plausibility_findings, sag_of
 from femstruct.parts.slab import Slab
 from femstruct.parts.spring import Spring
-from femstruct.parts.waves import model_findings
+from femstruct.parts.wave_findings import model_findings
 from femstruct.workflow.structure_findings import structure_findings_after, structure_findings_before
 
 CONCRETE = Material("concrete", E=30e9, nu=0.2, rho=2400.0)

@@ -26,7 +26,7 @@ from femstruct.view.histories import contact_forces, energy, history, spectrum, 
 from femstruct.view.plots import drawings, figures, plot_all
 from femstruct.view.sound_figures import draw_map, heard_peaks, line_level, lines_apart, pressure_maps
 from femstruct.view.spectra import frequency_response, sound
-from femstruct.workflow.compare import Spectra, compare
+from femstruct.workflow.case_comparison import Spectra, compare
 
 ROUNDING = 1e-12  # rounding: 7e-15 here at most
 

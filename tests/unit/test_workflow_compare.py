@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from femstruct.study.recorded import Channel
-from femstruct.workflow import compare as module
-from femstruct.workflow.compare import NO_NODE, Spectra, compare, spectral_size
+from femstruct.workflow import case_comparison as module
+from femstruct.workflow.case_comparison import NO_NODE, Spectra, compare, spectral_size
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
 

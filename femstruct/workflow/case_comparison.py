@@ -24,7 +24,8 @@ from femstruct.study.recorded import NET_FORCE, Channel
 from femstruct.study.results import CaseComparison, CaseResult, Comparison, Drop, PeakChange
 from femstruct.study.study import Study
 from femstruct.workflow.bases import Places, Solved, planned_contacts, weighs
-from femstruct.workflow.channels import (
+from femstruct.workflow.check import block_modes
+from femstruct.workflow.recorded_channels import (
     agree,
     closings,
     converged,
@@ -35,7 +36,6 @@ from femstruct.workflow.channels import (
     two_changes,
     weight_on_ground,
 )
-from femstruct.workflow.check import block_modes
 from femstruct.workflow.staging import ordered
 
 # ----------------------------------------------------------------------------------------------------------------------

@@ -14,9 +14,9 @@ from femstruct.findings.catalogue import ranked
 from femstruct.study.asked import GroundForce, Machine
 from femstruct.study.results import CaseResult, StudyResult
 from femstruct.study.study import Plan
-from femstruct.workflow.channels import change_findings
-from femstruct.workflow.compare import Spectra, compare
+from femstruct.workflow.case_comparison import Spectra, compare
 from femstruct.workflow.provenance import provenance
+from femstruct.workflow.recorded_channels import change_findings
 from femstruct.yaml.reader import Mistakes, lines_of_keys, parse_value
 
 MOST: Final = 40  # lines of differences for each file

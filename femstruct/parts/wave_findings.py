@@ -20,7 +20,7 @@ from femstruct.model.model import Model
 from femstruct.model.part import Part
 from femstruct.model.regions import meeting_line
 from femstruct.parts.frame import FrameMesh, frames_of
-from femstruct.parts.joints import held_with_joined
+from femstruct.parts.joint_findings import held_with_joined
 from femstruct.parts.plate import Plate, PlateMesh, plates_of, rigid_plates
 from femstruct.parts.shell import ShellMesh
 from femstruct.parts.slab import Slab

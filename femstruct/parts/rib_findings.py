@@ -19,7 +19,7 @@ from femstruct.model.shell_cells import nearest_places
 from femstruct.model.structure import Joint
 from femstruct.parts.foundation import NOTABLE, Foundation, glue_ratio
 from femstruct.parts.frame import FrameMesh, frames_of
-from femstruct.parts.joints import TOUCHING, Piece, held_with_joined
+from femstruct.parts.joint_findings import TOUCHING, Piece, held_with_joined
 from femstruct.parts.plate import Plate, PlateMesh, plates_of, rigid_plates
 from femstruct.parts.shell import ShellMesh
 

@@ -18,8 +18,8 @@ from femstruct.model.part import Body
 from femstruct.model.structure import ABOUT, ACROSS, Structure, bodies_of, extent
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
-from femstruct.parts.joints import Piece, held_directions, pieces, place_of_touch
-from femstruct.parts.ribs import bars_beside
+from femstruct.parts.joint_findings import Piece, held_directions, pieces, place_of_touch
+from femstruct.parts.rib_findings import bars_beside
 
 DOMINATES = 1e6  # of the rest: a mass of that share is ground, or a slip of a unit
 HELD_ROUNDING = 1e-9
