@@ -200,21 +200,21 @@ def _statement(source: str, line: int) -> range:
 
 
 def _who_meets(mutant: Mutant, source: str, reached: Mapping[str, Mapping[str, Any]]) -> tuple[str, list[str]]:
-    """Capabilities that execute the changed line, or else its function or file, the quickest first; or those of its
-    subject, where no line is known, as in compiled kernels. How near they come is told, too."""
+    """Capabilities that execute the changed line, then those of its function and file, the quickest first; or those of
+    its subject, where no line is known, as in compiled kernels. How near they come is said, too."""
     bodies = list(_functions(source))
     around = [set(body) for body in bodies if mutant.line in body]
     anywhere = set().union(*bodies)
     quickest = sorted(reached, key=lambda name: float(reached[name]["seconds"]))
     near: dict[str, set[int]] = {"line": set(_statement(source, mutant.line)), "function": around[-1]} if around else {}
     of_subject = [name for name in quickest if any(part in name for part in FIRST[mutant.subject])]
+    found: dict[str, list[str]] = {}
     for how, lines in (near | {"file": anywhere}).items():
-        names = [name for name in quickest if lines & set(reached[name]["lines"].get(mutant.file, ()))]
-        if how == "file":
-            names.sort(key=lambda name: name not in of_subject)
-        if names:
-            return how, names
-    return "subject", of_subject
+        found[how] = [name for name in quickest if lines & set(reached[name]["lines"].get(mutant.file, ()))]
+    found["file"].sort(key=lambda name: name not in of_subject)
+    nearest = next((how for how, names in found.items() if names), "subject")
+    # What is kept from one check to the next hides lines from all but the first: others of the file follow.
+    return nearest, list(dict.fromkeys([*(name for names in found.values() for name in names)])) or of_subject
 
 
 def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, float]:
