@@ -71,7 +71,7 @@ from femstruct.yaml.spec import (
 )
 
 # ----------------------------------------------------------------------------------------------------------------------
-# What a part of a model file is to the language; its kinds stand beside, one file each.
+# What a part of a model file is to the language; its kinds follow.
 # ----------------------------------------------------------------------------------------------------------------------
 
 COORDINATE_ROUNDING = 1e-9  # of a side: what a coordinate written in decimals may be off the edge

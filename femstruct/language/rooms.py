@@ -161,7 +161,7 @@ class WallSpec(Spec):
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# What every room of a study file has, open air too; its kinds stand beside, one file each.
+# What every room of a study file has, open air too; its kinds follow.
 # ----------------------------------------------------------------------------------------------------------------------
 
 

@@ -372,7 +372,7 @@ class Structure:
     """Everything a model file says about the structure, in SI units.
 
     parts : of the kinds in `femstruct.parts`. joints : where they move together. points, surfaces : named places.
-    supports : what is held. constraints : equations between places, of the kinds in `femstruct.model.equations`.
+    supports : what is held. constraints : equations between places, of the kinds in `femstruct.model.constraints`.
     cavities : air between two of the surfaces. Names are unique over all of it; the mesher checks that they exist.
 
     >>> from femstruct.model.materials import Material

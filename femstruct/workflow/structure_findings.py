@@ -249,7 +249,7 @@ def structure_findings_before(
     -----
     Materials, sections and thicknesses, theories that do not fit (thick plates, ribs beside plates, folded plates),
     arches, parts that nothing joins or holds up, that cannot move or are there twice, and drops no laboratory has; see
-    `femstruct.parts.findings`.
+    `femstruct.parts`.
     """
     found: list[Finding] = []
     if isinstance(structure, RodModel):
