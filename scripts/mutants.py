@@ -50,7 +50,10 @@ SUBJECTS: Mapping[str, tuple[str, ...]] = {
     ),
     "laws": (
         "femstruct/laws",
-        *(f"femstruct/impact/{name}.py" for name in ("exact", "ledger", "motion", "propagation", "system")),
+        *(
+            f"femstruct/impact/{name}.py"
+            for name in ("contact_events", "energies", "exact", "motion", "propagation", "system")
+        ),
     ),
     "rooms": ("acoustics/rooms", "acoustics/fields", "acoustics/meshed"),
     "levels": ("acoustics/levels",),

@@ -22,7 +22,8 @@ from femstruct.impact.blow_by_blow import (
     run_findings,
     unresolved,
 )
-from femstruct.impact.ledger import BODIES, DONE, STRUCTURE, TIME, TROUBLE
+from femstruct.impact.contact_events import DONE, TROUBLE
+from femstruct.impact.energies import BODIES, STRUCTURE, TIME
 from femstruct.impact.response import Endings, Flags, Outcome, outcomes_of
 from femstruct.impact.scene import Clock, Scene
 from femstruct.laws.registry import DOUBTS

@@ -19,8 +19,7 @@ from femstruct.compiled.kernels import Counts, Cube, Matrix, Vector, kernel, uni
 from femstruct.compiled.records import ManyInterfaces, ManyLoads, ManyStrikes, Records, System
 from femstruct.errors import InputError
 from femstruct.impact.collocation import ERROR_BUDGET, Room, march, march_room
-from femstruct.impact.exact import ExactRoom, ExactRule, exact_march, exact_room, exact_rule, takes_exact_march
-from femstruct.impact.ledger import (
+from femstruct.impact.contact_events import (
     CLOSES,
     DONE,
     DRIFT,
@@ -28,15 +27,14 @@ from femstruct.impact.ledger import (
     HELD,
     ROWS,
     SINCE,
-    TIME,
     WORKED,
     Record,
-    ledger_width,
     lies,
-    part_energies,
     room_for,
 )
-from femstruct.impact.ledger import STEPS as STEPS_TAKEN
+from femstruct.impact.contact_events import STEPS as STEPS_TAKEN
+from femstruct.impact.energies import TIME, ledger_width, part_energies
+from femstruct.impact.exact import ExactRoom, ExactRule, exact_march, exact_room, exact_rule, takes_exact_march
 from femstruct.impact.propagation import (
     FINEST_HALVINGS,
     POINTS,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.ledger import ENERGY, HELD, MOMENTUM, SINCE, Record, lies
+from femstruct.impact.contact_events import ENERGY, HELD, MOMENTUM, SINCE, Record, lies
 from femstruct.impact.motion import Motion, modal_motions
 from femstruct.impact.response import Blow, Event, Outcome
 from femstruct.impact.scene import Blows, Clock, Contact, Scene

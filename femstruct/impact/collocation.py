@@ -9,12 +9,10 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.compiled.kernels import Matrix, Vector, kernel, unit
 from femstruct.compiled.records import CONSTANT, LINK, System
-from femstruct.impact.ledger import (
+from femstruct.impact.contact_events import (
     DONE,
     FULL,
-    INTEGRATED,
     LIFTED,
-    MODES,
     NO_FORCES,
     OPENS,
     STALLS,
@@ -26,21 +24,19 @@ from femstruct.impact.ledger import (
     ended,
     first_strike,
     goes_on,
-    integrate_losses,
     keep,
     keep_row,
     log_changes,
     log_event,
     open_books,
-    part_energies,
     peaks,
     peaks_at_start,
     settle_events,
     strike,
-    take_stock,
     touch,
     travels,
 )
+from femstruct.impact.energies import INTEGRATED, MODES, integrate_losses, part_energies, take_stock
 from femstruct.impact.propagation import (
     AWAY,
     CLAMPED,

@@ -12,17 +12,13 @@ from numpy.polynomial import legendre
 from femstruct.arrays import Floats
 from femstruct.compiled.kernels import Counts, CountTable, Matrix, Vector, kernel, summing, unit
 from femstruct.compiled.records import CONSTANT, HALF_SINE, LINK, TABLE, System
-from femstruct.impact.ledger import (
+from femstruct.impact.contact_events import (
     DONE,
     FULL,
-    GIVEN,
-    INTEGRATED,
-    MODES,
     NO_FORCES,
     STEPS,
     STICKS,
     TOO_MANY_EVENTS,
-    WORK,
     Record,
     balance_books,
     confirm,
@@ -33,6 +29,7 @@ from femstruct.impact.ledger import (
     open_books,
     settle_events,
 )
+from femstruct.impact.energies import GIVEN, INTEGRATED, MODES, WORK
 from femstruct.impact.propagation import (
     CLAMPED,
     CLOSED,

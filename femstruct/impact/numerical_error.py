@@ -15,18 +15,18 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.collocation import MAX_STEPS, Ended, collocate, levels_for, state_at_start
-from femstruct.impact.exact import THETA, exact_march, exact_room, exact_rule, largest_rate, takes_exact_march
-from femstruct.impact.ledger import (
+from femstruct.impact.contact_events import (
     CERTAIN,
     CLOSES,
     DONE,
     MOST_EVENTS,
-    TIME,
     TOO_MANY_EVENTS,
     Record,
     room_for,
     settle_events,
 )
+from femstruct.impact.energies import TIME
+from femstruct.impact.exact import THETA, exact_march, exact_room, exact_rule, largest_rate, takes_exact_march
 from femstruct.impact.propagation import Tables, collocation_rule, tabulated
 from femstruct.impact.response import Response
 from femstruct.impact.scene import Scene

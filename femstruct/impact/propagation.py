@@ -587,7 +587,7 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, z: Float
     """Move z, v over a step under forces at the nodes; returns the energy the damping took.
 
     Of oscillators in place of coupled modes it is 0: their losses follow from where they are
-    (`femstruct.impact.ledger.modal_energies`).
+    (`femstruct.impact.energies.modal_energies`).
 
     work [STAGES + 4, n] : room; the modal forces at the nodes are left in its first STAGES rows.
     """

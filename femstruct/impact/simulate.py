@@ -24,26 +24,25 @@ from femstruct.impact.blow_by_blow import (
     sampling_findings,
 )
 from femstruct.impact.collocation import MAX_STEPS, Ended, collocate, levels_for, march, paced, state_at_start
-from femstruct.impact.exact import exact_march, exact_room, exact_rule, takes_exact_march
-from femstruct.impact.ledger import (
+from femstruct.impact.contact_events import (
     CLOSES,
     DONE,
     DRIFT,
     NO_FORCES,
     STALLS,
     STICKS,
-    TIME,
     TOO_MANY_EVENTS,
     TOO_MANY_STEPS,
     WORKED,
     Felt,
     Record,
     feel,
-    ledger,
     motion_of,
     part_history,
     room_for,
 )
+from femstruct.impact.energies import TIME, ledger
+from femstruct.impact.exact import exact_march, exact_room, exact_rule, takes_exact_march
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, coordinates, sampled_motion, seen
 from femstruct.impact.propagation import State, collocation_rule, tabulated
 from femstruct.impact.response import (
@@ -137,7 +136,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     (`femstruct.modal.coupled_damping`): these are made once for a basis, and a run then takes up to three times as long
     as with modes that nothing couples. Where hundreds creep back, as over wool, sums of few exponentials stand for
     them, good to 1e-11. Closings and openings within rounding are not reported
-    (`femstruct.impact.ledger`). The march runs beside the thread that waits
+    (`femstruct.impact.contact_events`). The march runs beside the thread that waits
     for it, so that Ctrl-C ends it at once.
 
     A ball of 1 kg strikes a wall through a spring of pi^2 N/m: half a period of contact, 1 s.

@@ -13,8 +13,8 @@ import pytest
 from femstruct.errors import NotConverged
 from femstruct.impact import numerical_error as estimate
 from femstruct.impact import simulate as engine
+from femstruct.impact.contact_events import DONE, STICKS, ended, room_for
 from femstruct.impact.exact import exact_march, exact_room, exact_rule
-from femstruct.impact.ledger import DONE, STICKS, ended, room_for
 from femstruct.impact.numerical_error import error_of
 from femstruct.impact.propagation import State
 from femstruct.impact.response import EnergyBalance, Response

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from femstruct.impact.collocation import collocate, levels_for, state_at_start
-from femstruct.impact.ledger import room_for
+from femstruct.impact.contact_events import room_for
 from femstruct.impact.numerical_error import STRICTEST, error_of
 from femstruct.impact.propagation import collocation_rule, tabulated
 from femstruct.impact.response import Response

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from femstruct.impact.collocation import levels_for, march, march_room, state_at_start
-from femstruct.impact.ledger import DONE, STEPS, room_for
+from femstruct.impact.contact_events import DONE, STEPS, room_for
 from femstruct.impact.propagation import STAGES, collocation_rule, tabulated
 from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.system import compile_scene

@@ -15,7 +15,7 @@ from femstruct.compiled import store
 from femstruct.compiled import store as workers
 from femstruct.compiled.store import code_of, compilation
 from femstruct.errors import FemstructError
-from femstruct.impact.ledger import feel
+from femstruct.impact.contact_events import feel
 
 ROOT = Path(__file__).parents[2]
 
@@ -71,7 +71,7 @@ def test_a_command_survives_damaged_code(elsewhere: Path, piece: bytes) -> None:
     store.keep(feel, piece, store.folder())
     (path,) = elsewhere.glob("*.unit")
     path.write_bytes(b"noise" * 100)
-    code = "from femstruct.impact.ledger import feel\nfrom femstruct.compiled.store import code_of\n"
+    code = "from femstruct.impact.contact_events import feel\nfrom femstruct.compiled.store import code_of\n"
     code += "code_of([feel])"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert ran.stderr.count("is damaged") == 1 and "Traceback" not in ran.stderr
@@ -91,7 +91,7 @@ def test_a_folder_of_one_process_goes_with_it(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     code = "from pathlib import Path\nfrom femstruct.compiled import store\n"
     code += f"store.folders = lambda: (Path({str(tmp_path / 'file')!r}) / 'kernels',)\n"
-    code += "from femstruct.impact.ledger import feel\n"
+    code += "from femstruct.impact.contact_events import feel\n"
     code += "store.keep(feel, b'code', store.folder())\nassert store.kept(feel) == b'code'\nprint(store.folder())"
     ran = subprocess.run(
         [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, cwd=ROOT, check=True

@@ -10,7 +10,7 @@ import pytest
 
 import femstruct.impact.simulate as engine
 from femstruct.impact.batch import simulate_batch
-from femstruct.impact.ledger import TRIALS
+from femstruct.impact.contact_events import TRIALS
 from femstruct.impact.response import Response
 from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.laws.hertz import Hertz

@@ -14,8 +14,8 @@ import pytest
 from femstruct.compiled.kernels import Matrix, Unit, Vector, kernels_of, laid_out, layout_of, unit, units_called
 from femstruct.impact.batch_march import run_many
 from femstruct.impact.collocation import march, state_at_start
+from femstruct.impact.contact_events import room_for
 from femstruct.impact.exact import exact_march, exact_room, exact_rule
-from femstruct.impact.ledger import room_for
 from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import ALL
 from femstruct.impact.system import compile_scene

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from femstruct.impact.collocation import state_at_start
-from femstruct.impact.ledger import stored
+from femstruct.impact.energies import stored
 from femstruct.impact.propagation import CLOSED
 from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import simulate
