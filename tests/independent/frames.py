@@ -196,16 +196,20 @@ class Skeleton:
         self._terms[kind].append((motions, matrix))
 
     def bar(
-        self, a: int, b: int, shape: Section, E: float, G: float, rho: float, up: Floats | None = None,
+        self, a: int, b: int, shape: Section, E: float, G: float | tuple[float, float], rho: float,
+        up: Floats | None = None,
         arms: tuple[Floats, Floats] = (np.zeros(3), np.zeros(3)), line_mass: float = 0.0, loss: float = 0.0,
         slender: bool = False,
     ) -> None:  # fmt: skip
         """A straight bar from the tip of an arm at a to one at b, by one element of a high order.
 
-        slender : Euler's and Bernoulli's, whose sections neither shear nor resist to be turned about y and z.
+        slender : Euler's and Bernoulli's, whose sections neither shear nor resist to be turned about y and z. G : of
+        shear along y and along z, where they differ; a twist has both, and the root of their product is taken.
 
         Strains at a section: u' . t, e . u' + (t x e) . turns of both shears, and the turns' slopes.
         """
+        Gy, Gz = G if isinstance(G, tuple) else (G, G)
+        twisted = float(np.sqrt(Gy * Gz))
         start, end = self.at[a] + arms[0], self.at[b] + arms[1]
         L, R = float(np.linalg.norm(end - start)), axes(end - start, up)
         inner = [self.place(start + (end - start) * (1 + x) / 2) for x in self._x[1:-1]]
@@ -216,10 +220,12 @@ class Skeleton:
         N, D = self._shapes(gauss)
         B = self._strains(R, N, D * 2 / L)
         ky, kz = (
-            (_UNSHEARED * E / G * max(shape.Iy, shape.Iz) / shape.A / L**2,) * 2 if slender else (shape.ky, shape.kz)
+            (_UNSHEARED * E / twisted * max(shape.Iy, shape.Iz) / shape.A / L**2,) * 2
+            if slender
+            else (shape.ky, shape.kz)
         )
-        law = np.diag([E * shape.A, G * ky * shape.A, G * kz * shape.A])
-        law = np.pad(law, (0, 3)) + np.diag([0, 0, 0, G * shape.J, E * shape.Iy, E * shape.Iz])
+        law = np.diag([E * shape.A, Gy * ky * shape.A, Gz * kz * shape.A])
+        law = np.pad(law, (0, 3)) + np.diag([0, 0, 0, twisted * shape.J, E * shape.Iy, E * shape.Iz])
         K = np.einsum("g,gia,ij,gjb->ab", weights * L / 2, B, law, B)
         ring = R.T @ np.diag([shape.Iy + shape.Iz, shape.Iy * (not slender), shape.Iz * (not slender)]) @ R * rho
         inertia = np.zeros((6, 6))
@@ -228,7 +234,7 @@ class Skeleton:
         for kind, matrix in (("K", K), ("H", loss * K), ("M", M)):
             self.add(kind, places, lever.T @ matrix @ lever)
         motions = (6 * np.array(places)[:, None] + np.arange(6)).ravel()
-        self.bars.append((motions, lever, R, shape, (E, G), L))
+        self.bars.append((motions, lever, R, shape, (E, twisted), L))
 
     @staticmethod
     def _strains(R: Floats, N: Floats, D: Floats) -> Floats:

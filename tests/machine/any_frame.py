@@ -54,6 +54,46 @@ def _(rng: np.random.Generator) -> Case:
     return _answers(rng, draft, "tip", "corner")
 
 
+def _under_a_heavy_body(rng: np.random.Generator, draft: Draft) -> Case:
+    """Ten thousand times as heavy as the frame."""
+    bodies_on(rng, draft, (0.5e4, 1e4), 0.05, float(10 ** rng.uniform(-2, 0.5)), (0.2, 0.6))
+    body = draft["parts"]["b"]
+    body |= {"mass": 1e4 * body["mass"], "inertia": [1e4 * one for one in body["inertia"]]}
+    why = "a frame of 1e-4 of its body's mass, whose own motion is within 1e-4; residual vectors"
+    ways = [f"tip.{axis}" for axis in rng.permutation(["x", "y", "z"])[:2]]
+    return case_of(rng, Subject(draft, _form, ways[:1], ways, 1e-4, why, at_rest=1e-5))
+
+
+def _timber(rng: np.random.Generator) -> Draft:
+    """A material of directions that shears ten times as easily as others, differently in both planes."""
+    E = float(10 ** rng.uniform(9.8, 10.3))
+    G = [float(E * share) for share in (rng.uniform(0.03, 0.1), rng.uniform(0.004, 0.01), rng.uniform(0.03, 0.1))]
+    return {
+        "E": [E, *(E * rng.uniform(0.03, 0.06, 2)).tolist()],
+        "G": G,
+        "nu": 0.3,
+        "rho": float(rng.uniform(4e2, 7e2)),
+    }
+
+
+@capability("any answer: frames of timber", "independent")
+def _(rng: np.random.Generator) -> Case:
+    draft = a_frame(rng)
+    draft["materials"]["m"] = _timber(rng)
+    return _answers(rng, draft, "tip", "corner")
+
+
+@capability("any answer: a heavy body on stubs of timber", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """So short that they shear as much as they bend; springs to the body, exact at their ends."""
+    draft = a_frame(rng, int(rng.integers(1, 3)), reach=(0.25, 0.45))
+    draft["materials"]["m"] = _timber(rng)
+    if rng.random() < 0.5:
+        big = rng.uniform(0.06, 0.1, 2).tolist()
+        draft["sections"]["s"] = {"shape": "rectangle", "width": big[0], "height": big[1]}
+    return _under_a_heavy_body(rng, draft)
+
+
 @capability("any answer: rigid arms", "independent")
 def _(rng: np.random.Generator) -> Case:
     draft = a_frame(rng, 1)
@@ -162,12 +202,7 @@ def _(rng: np.random.Generator) -> Case:
         factors = {key: float(rng.uniform(0.3, 0.6)) for key in ("ky", "kz")}
         draft["sections"]["s"] = {"A": A, **sizes, **factors}
     draft["materials"]["m"]["nu"] = float(rng.uniform(0.3, 0.45))
-    bodies_on(rng, draft, (0.5e4, 1e4), 0.05, float(10 ** rng.uniform(-2, 0.5)), (0.2, 0.6))
-    body = draft["parts"]["b"]
-    body |= {"mass": 1e4 * body["mass"], "inertia": [1e4 * one for one in body["inertia"]]}
-    why = "a frame of 1e-4 of its body's mass, whose own motion is within 1e-4; residual vectors"
-    ways = [f"tip.{axis}" for axis in rng.permutation(["x", "y", "z"])[:2]]
-    return case_of(rng, Subject(draft, _form, ways[:1], ways, 1e-4, why, at_rest=1e-5))
+    return _under_a_heavy_body(rng, draft)
 
 
 _TABLES = {  # Cremer, Heckl, Petersson, Structure-Borne Sound (2005), table 4.3

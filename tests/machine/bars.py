@@ -45,11 +45,13 @@ def away(rng: np.random.Generator, low: float = 0.6, high: float = 1.2) -> Float
     return np.round(way / np.linalg.norm(way) * rng.uniform(low, high), 3)
 
 
-def a_frame(rng: np.random.Generator, stretches: int = 2, **more: Any) -> Draft:
+def a_frame(
+    rng: np.random.Generator, stretches: int = 2, reach: tuple[float, float] = (0.6, 1.2), **more: Any
+) -> Draft:
     """A clamped line of stocky bars; points: root, its corner, tip, and mid between root and corner."""
     corners = [np.zeros(3)]
     for _ in range(stretches):
-        corners.append(corners[-1] + away(rng))
+        corners.append(corners[-1] + away(rng, *reach))
     mid = corners[0] + 0.5 * (corners[1] - corners[0])
     part: Draft = {
         "type": "frame", "material": "m", "section": "s", "mesh": 0.08, "lines": [[one.tolist() for one in corners]],

@@ -108,7 +108,7 @@ def _bars(bones: Skeleton, name: str, part: Mapping[str, Any], cuts: Sequence[Fl
         for one in model["parts"].values() if one["type"] == "mass" and one.get("on") == name
     )  # fmt: skip
     up = part.get("orientation")
-    E, G = material["E"], material["E"] / 2 / (1 + material["nu"])
+    E, G = _moduli(material)
     known: list[int] = []
     for a, b in _segments(part):
         along = b - a
@@ -125,6 +125,14 @@ def _bars(bones: Skeleton, name: str, part: Mapping[str, Any], cuts: Sequence[Fl
             loss = material.get("loss_factor", 0.0) if model.get("damping", {}).get("from") == "materials" else 0.0
             bones.bar(i, j, shape, E, G, material["rho"], up, pair, extra, loss, part.get("element") == "euler")
     return known
+
+
+def _moduli(material: Mapping[str, Any]) -> tuple[float, float | tuple[float, float]]:
+    """Along a bar, and of shear along y and z of its section."""
+    if "G" in material:
+        xy, _, zx = material["G"]
+        return material["E"][0], (xy, zx)
+    return material["E"], material["E"] / 2 / (1 + material["nu"])
 
 
 def _or_new(bones: Skeleton, known: list[int], at: Floats) -> int:
