@@ -134,7 +134,7 @@ _DENSE = 10.0  # times the root of the number of vertices: with more neighbours 
 
 
 @dataclass(frozen=True, eq=False)
-class Front:
+class EliminationFront:
     """Unknowns eliminated together, after those of the children; all other neighbours come later.
 
     children : places in the list of fronts.
@@ -144,7 +144,7 @@ class Front:
     children: tuple[int, ...]
 
 
-def dissect(pattern: Pattern) -> list[Front]:
+def dissect(pattern: Pattern) -> list[EliminationFront]:
     """Fronts of all unknowns, children before their parents; the last is the root.
 
     Source: A. George, SIAM J. Numer. Anal. 10 (1973) 345-363; distances as coordinates after D. Harel, Y. Koren, Graph
@@ -157,7 +157,7 @@ def dissect(pattern: Pattern) -> list[Front]:
     parts = _Cutter(graph, weight, dense).fronts()
     members = np.argsort(group, kind="stable")
     first = np.concatenate([[0], np.cumsum(weight)])
-    return [Front(members[_ranges(first[part], weight[part])], children) for part, children in parts]
+    return [EliminationFront(members[_ranges(first[part], weight[part])], children) for part, children in parts]
 
 
 def _compressed(pattern: Pattern) -> tuple[Integers, csr_array]:

@@ -20,7 +20,7 @@ from acoustics.levels.standards import (
     RATING,
     Blows,
     Method,
-    Number,
+    RatingNumber,
     SingleNumber,
     energy_average,
     method_of,
@@ -71,7 +71,9 @@ class Ensemble:
         """Of every band, standardised; nan where it is not low."""
         return [interval(one.tolist()) for one in (self.members_db + self.correction_db).T]
 
-    def numbers(self, numbers: Sequence[Number], bands_hz: Sequence[float], others_db: Floats) -> dict[str, Interval]:
+    def numbers(
+        self, numbers: Sequence[RatingNumber], bands_hz: Sequence[float], others_db: Floats
+    ) -> dict[str, Interval]:
         """Single numbers before rounding over the members {symbol: interval}, of those that are known and that low
         bands change: where others decide in every member, an interval would say nothing of rooms and places.
 
@@ -306,7 +308,7 @@ class RatedRoom:
         """Levels of one drop each [1, receivers, b]."""
         return [one[None] for one in self._filled_db]
 
-    def _rated(self, number: Number, levels_db: Floats) -> SingleNumber:
+    def _rated(self, number: RatingNumber, levels_db: Floats) -> SingleNumber:
         """A number of levels [drops, receivers, b] in the room."""
         places = energy_average(levels_db + self.correction_db * number.standardised, axis=1)
         return replace(single_number(number, self.bands_hz, places), statistical_hz=self.statistical_hz)

@@ -68,7 +68,7 @@ class SingleNumber:
 
 @stored_as("kind of single number/1")
 @dataclass(frozen=True)
-class Number:
+class RatingNumber:
     """A single number to be made. standardised : of the levels that are standardised for the room, else of those in it.
     rate : makes it of levels [places of the blow, bands], averaged over receivers [dB]."""
 
@@ -77,7 +77,7 @@ class Number:
     rate: Callable[[Floats], SingleNumber]
 
 
-def single_number(number: Number, bands_hz: Sequence[float], places_db: Floats) -> SingleNumber:
+def single_number(number: RatingNumber, bands_hz: Sequence[float], places_db: Floats) -> SingleNumber:
     """A number of levels [places of the blow, bands] in the bands of its method; nan is a level that is not known.
 
     Notes
@@ -553,7 +553,7 @@ class Method:
     bands_hz: tuple[float, ...]
     band_quantity: Annotated[str, Reported("1", "Symbol of the levels by band")]
     average: Callable[[Floats], Floats]
-    numbers: tuple[Number, ...]
+    numbers: tuple[RatingNumber, ...]
     correct: Callable[[Mapping[float, float], float, Mapping[float, float]], dict[float, float]] | None = None
     measured_by: str = ""
     fewest: int = 0
@@ -654,7 +654,7 @@ def _by_thirds(standards: tuple[str, ...], blows: Blows) -> Method:
         bands_hz=tuple(A_THIRDS if heavy else CURVE_THIRDS),
         band_quantity=_SYMBOLS[blows, measured][0],
         average=energy_average,
-        numbers=tuple(Number(_SYMBOLS[blows, one][1], one, rate) for one in stated),
+        numbers=tuple(RatingNumber(_SYMBOLS[blows, one][1], one, rate) for one in stated),
         correct=(standardised_maximum_level if heavy else _standardised) if measured else None,
         measured_by=FIELD if measured else "",
         # of the ball "quattro o più posizioni differenti": https://www.sonorasrl.com, La palla in gomma; of microphones
@@ -670,8 +670,10 @@ def _by_octaves(standards: tuple[str, ...], blows: Blows) -> Method:
     heavy = blows == "heavy"
     octaves = HEAVY_OCTAVES if heavy else LIGHT_OCTAVES
     numbers = {
-        GRADES: Number(*(("L_i,Fmax,r,H(1)", False, _heavy_grade) if heavy else ("L_i,r,L", False, _light_grade))),
-        INVERSE: Number("L_i,Fmax,AW", False, _inverse_a),
+        GRADES: RatingNumber(
+            *(("L_i,Fmax,r,H(1)", False, _heavy_grade) if heavy else ("L_i,r,L", False, _light_grade))
+        ),
+        INVERSE: RatingNumber("L_i,Fmax,AW", False, _inverse_a),
     }
     return Method(
         standards=standards,

@@ -22,7 +22,7 @@ _STEP: Final = 8  # directions by which groups of frequencies differ
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class RadiatingSheet:
     """Sources on a grid of Chebyshev nodes whose far field is that of a flat surface, up to a wavenumber.
 
     half [2] : half the lengths of the grid along its two sides [m]. diagonal : of the surface [m].
@@ -35,7 +35,7 @@ class Sheet:
     sources: Floats
 
 
-def sheet(points: Floats, weights: Floats, shapes: Floats, wavenumber: float) -> Sheet:
+def sheet(points: Floats, weights: Floats, shapes: Floats, wavenumber: float) -> RadiatingSheet:
     """Sources for the far field of shapes [p, k] on points [p, 3] of a plane, up to a wavenumber [1/m].
 
     Notes
@@ -54,7 +54,7 @@ def sheet(points: Floats, weights: Floats, shapes: Floats, wavenumber: float) ->
     weighted = weights[:, None] * shapes
     for row in range(to_x.shape[1]):
         moved[row] = (to_x[:, row, None] * to_y).T @ weighted
-    return Sheet(half, float(np.hypot(*(2 * half))), _parities(moved))
+    return RadiatingSheet(half, float(np.hypot(*(2 * half))), _parities(moved))
 
 
 def sides(flat: Floats) -> Floats:
@@ -72,7 +72,7 @@ def nodes(z: float) -> int:
     return 2 * int(np.ceil((z + _SLOW * np.cbrt(z) + _MORE) / 2))
 
 
-def sheet_power(whole: Sheet, rates: Complexes, wavenumbers: Floats) -> Floats:
+def sheet_power(whole: RadiatingSheet, rates: Complexes, wavenumbers: Floats) -> Floats:
     """Power [nf] over rho c [m^2 times the square of a rate] that the shapes radiate with complex rates [k, nf].
 
     wavenumbers [nf] [1/m] : none above that of the sheet.
@@ -102,7 +102,7 @@ def _directions(z: float) -> int:
     return _STEP * int(np.ceil(needed / _STEP))
 
 
-def _quarter(part: Sheet, rates: Complexes, k: Floats, n: int) -> Floats:
+def _quarter(part: RadiatingSheet, rates: Complexes, k: Floats, n: int) -> Floats:
     """The sum over a quarter of the half space, four times."""
     _, _, hx, hy, shapes = part.sources.shape
     height, share = np.polynomial.legendre.leggauss(n)
@@ -124,7 +124,7 @@ def _quarter(part: Sheet, rates: Complexes, k: Floats, n: int) -> Floats:
     return k**2 / (2 * np.pi * n) * (total @ share)
 
 
-def _coarser(whole: Sheet, wavenumber: float) -> Sheet:
+def _coarser(whole: RadiatingSheet, wavenumber: float) -> RadiatingSheet:
     """The same sources on a grid that is fine enough for a lower wavenumber."""
     even = whole.sources
     for axis in (0, 1):
@@ -134,7 +134,7 @@ def _coarser(whole: Sheet, wavenumber: float) -> Sheet:
             plus, minus = onto[:, coarse // 2 :], onto[:, coarse // 2 - 1 :: -1]
             halves = np.stack([plus + minus, plus - minus])  # a wave's own parity decides: sums or differences
             even = np.einsum(("pqayk,pab->pqbyk", "pqxak,qab->pqxbk")[axis], even, halves, optimize=True)
-    return Sheet(whole.half, whole.diagonal, even)
+    return RadiatingSheet(whole.half, whole.diagonal, even)
 
 
 def _parities(moved: Floats) -> Floats:

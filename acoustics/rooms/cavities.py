@@ -159,18 +159,18 @@ class Cavity:
         freeze(self, size=size)
 
     @property
-    def layers(self) -> tuple[Layer, ...]:
+    def layers(self) -> tuple[FluidLayer, ...]:
         """From the second surface to the first."""
         depth = float(self.size[2])
         if self.wool is None:
-            return (Layer(Box(self.size, self.air), None),)
+            return (FluidLayer(Box(self.size, self.air), None),)
         within = self.wool.pores(self.air)
         if self.thickness is None or self.thickness >= depth * (1 - _WHOLE):
-            return (Layer(Box(self.size, within), self.wool, self.wool.rate(self.air)),)
+            return (FluidLayer(Box(self.size, within), self.wool, self.wool.rate(self.air)),)
         flat = self.size[:2]
         return (
-            Layer(Box(np.append(flat, self.thickness), within), self.wool, self.wool.rate(self.air)),
-            Layer(Box(np.append(flat, depth - self.thickness), self.air), None),
+            FluidLayer(Box(np.append(flat, self.thickness), within), self.wool, self.wool.rate(self.air)),
+            FluidLayer(Box(np.append(flat, depth - self.thickness), self.air), None),
         )
 
     def kept_hz(self, top_hz: float) -> float:
@@ -192,7 +192,7 @@ class Cavity:
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
+class FluidLayer:
     """A part of the depth with one fluid. box : its size and the air in its pores. rate : of its thermal pole [1/s]."""
 
     box: Box
@@ -441,7 +441,7 @@ def _flat(cavity: Cavity, surfaces: tuple[SurfaceShapes, ...], up_to_hz: float) 
 
 def _fields_of_air(
     cavity: Cavity,
-    layers: tuple[Layer, ...],
+    layers: tuple[FluidLayer, ...],
     number: int,
     surfaces: tuple[SurfaceShapes, SurfaceShapes],
     face: Integers,
@@ -472,7 +472,7 @@ def _fields_of_air(
     return layer_fields(layers[number].box, flat, up_to_hz, boundaries, finest)
 
 
-def _compressed(layer: Layer, one: LayerFields, at: int, total: int) -> Floats:
+def _compressed(layer: FluidLayer, one: LayerFields, at: int, total: int) -> Floats:
     """Rows b of a layer over all coordinates: its adiabatic energy is |b x|^2 / 2."""
     rows = np.zeros((len(one.displaced), total))
     rows[:, : one.displaced.shape[1]] = np.sqrt(layer.box.air.bulk_modulus / layer.box.volume) * one.displaced
@@ -502,7 +502,7 @@ def _arranged(rows: list[Floats], k: int, n_face: int, total: int) -> Floats:
     return turn[:, order.astype(int)]
 
 
-def _losses(layers: tuple[Layer, ...], rows: list[Floats], fields: list[Floats], total: int) -> tuple[Floats, int]:
+def _losses(layers: tuple[FluidLayer, ...], rows: list[Floats], fields: list[Floats], total: int) -> tuple[Floats, int]:
     """Damping [N + e, N + e] of drag and heat, and how many of the e are frames."""
     dashpots: list[tuple[Floats, Floats]] = []  # rows over the coordinates, and what is added over their own
     held = np.zeros((total, total))

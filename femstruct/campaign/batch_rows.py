@@ -279,7 +279,7 @@ def _levels(room: RoomPlan, t: Floats, p: Floats, end_hz: float) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class BatchStage:
     """What all samples share, by case: solved structures, damped bases, scenes of the first sample, who listens, codes
     of what is known before an impact and of what of it forbids trust."""
 
@@ -359,7 +359,7 @@ def _balance(one: Energies) -> dict[str, tuple[Floats, str]]:
     return {"t_s": (one.t, "s"), **{name: (energy, "J") for name, energy in energies.items()}}
 
 
-def stage_of(first: Task, only: tuple[str, ...]) -> Stage:
+def stage_of(first: Task, only: tuple[str, ...]) -> BatchStage:
     """The stage of a sample, for numbers to be made of it; that of the last task where it is the same.
 
     Raises what reading, solving and staging raise.
@@ -373,7 +373,7 @@ def stage_of(first: Task, only: tuple[str, ...]) -> Stage:
     return _STAGES[key]
 
 
-def _made(plan: Plan, only: Sequence[str]) -> Stage:
+def _made(plan: Plan, only: Sequence[str]) -> BatchStage:
     solved = solve_all(plan.cases)
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
     bases = {case.name: damped(case, solved, baseline) for case in plan.cases}
@@ -387,10 +387,10 @@ def _made(plan: Plan, only: Sequence[str]) -> Stage:
             found += rooms[case.name].told
         severe = dict.fromkeys(one.code for one in found if isinstance(one, Finding) and one.severe)
         codes[case.name] = tuple(dict.fromkeys(one.code for one in found)), tuple(severe)
-    return Stage(plan, solved, bases, scenes, rooms, codes)
+    return BatchStage(plan, solved, bases, scenes, rooms, codes)
 
 
-_STAGES: Final[dict[str, Stage]] = {}  # of this process, the latest
+_STAGES: Final[dict[str, BatchStage]] = {}  # of this process, the latest
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -509,7 +509,7 @@ def _part(task: BatchTask, start: int, end: int) -> BatchTask:
     return replace(task, numbers=task.numbers[start:end], columns=columns)
 
 
-def _by_history(stage: Stage, only: Sequence[str]) -> tuple[str, ...] | str:
+def _by_history(stage: BatchStage, only: Sequence[str]) -> tuple[str, ...] | str:
     """The names for which a run's history is needed, with those of them that the batch engine has as well: none where
     it has all. Why it takes full runs where neither has a name in any case."""
     cases = stage.plan.cases
@@ -536,7 +536,9 @@ def _beyond(case: Case) -> str:
     return two_way and f"has room '{two_way}' with 'coupling: two-way', so that its air changes the modes"
 
 
-def _of_batch(case: Case, numbers: Sequence[int], batch: Batch, stage: Stage, only: Sequence[str]) -> Iterator[Row]:
+def _of_batch(
+    case: Case, numbers: Sequence[int], batch: Batch, stage: BatchStage, only: Sequence[str]
+) -> Iterator[Row]:
     """What the batch engine has of every run of a case."""
     own = stage.offered(case, batch)
     columns = [(name, own[name][0].tolist(), own[name][1]) for name in only if name in own]
@@ -563,7 +565,7 @@ def _with_limits(numbers: dict[str, Number], case: Case) -> dict[str, Number]:
 
 
 def _of_histories(
-    case: Case, numbers: Sequence[int], columns: Mapping[str, Floats], stage: Stage, only: Sequence[str]
+    case: Case, numbers: Sequence[int], columns: Mapping[str, Floats], stage: BatchStage, only: Sequence[str]
 ) -> Iterator[Row]:
     """What the histories have of every run of a case."""
     scene = stage.scenes[case.name]

@@ -156,7 +156,7 @@ class Spent(Exception):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class DesignOutcome:
     """What came of a design: its goals [g]; the same with the sign with which they are to be small; what its limits are
     exceeded by, as shares of them [m]; the values that are limited [m]; the least and the largest of each goal over
     what scatters; whether its rows are to be trusted and have their numbers."""
@@ -206,12 +206,12 @@ class Designs:
         self._rows: dict[int, Row] = {}
         self._numbers: dict[tuple[str, ...], int] = {}
         self.points: list[Floats] = []
-        self.outcomes: list[Outcome] = []
+        self.outcomes: list[DesignOutcome] = []
         self._seen = set[str]()
         self._units = dict[str, str]()
         self.kept_back = min(4 * len(search.designs), search.runs // search.samples // 4)
 
-    def __call__(self, points: Floats) -> list[Outcome]:
+    def __call__(self, points: Floats) -> list[DesignOutcome]:
         """Outcomes of designs, points of the unit cube [n, d]. Raises Spent where they are more than are allowed;
         InputErrors where none of the first can be run, InputError for names of numbers that there are not."""
         texts = [self._texts(point) for point in points]
@@ -239,7 +239,7 @@ class Designs:
         """How many more designs may be tried."""
         return self._search.runs // self._search.samples - len(self.outcomes) - self.kept_back
 
-    def known(self, point: Floats) -> Outcome | None:
+    def known(self, point: Floats) -> DesignOutcome | None:
         """The outcome of a design that was tried, else None."""
         number = self._numbers.get(self._texts(point))
         return None if number is None else self.outcomes[number]
@@ -318,7 +318,7 @@ class Designs:
 
         self._run(tasks, keep, lambda: self._told(counted()))
 
-    def _outcome(self, rows: Sequence[Row], point: Floats) -> Outcome:
+    def _outcome(self, rows: Sequence[Row], point: Floats) -> DesignOutcome:
         search, goals = self._search, self._search.goals
         table = [self._of_goal(one.name, rows, point) for one in goals]
         smalls = tuple(
@@ -333,11 +333,11 @@ class Designs:
             excess = (np.nan,) * len(excess)
         none, m = (np.nan,) * len(goals), len(excess)
         if any(row.severe or row.trouble for row in rows) or not np.isfinite((*smalls, *excess)).all():
-            return Outcome(
+            return DesignOutcome(
                 none, (NEVER,) * len(goals), (NEVER,) * m, limited, tuple(zip(none, none, strict=True)), False
             )
         signed = tuple(one.sign * small for one, small in zip(goals, smalls, strict=True))
-        return Outcome(signed, smalls, excess, limited, tuple((min(own), max(own)) for own in table), sound=True)
+        return DesignOutcome(signed, smalls, excess, limited, tuple((min(own), max(own)) for own in table), sound=True)
 
     def _of_goal(self, name: str, rows: Sequence[Row], point: Floats) -> list[float]:
         """A goal in the rows of a design: a number of theirs, or what was chosen for a path."""

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.campaign.designs import NEVER, Designs, Outcome, with_limits_of_study
+from femstruct.campaign.designs import NEVER, DesignOutcome, Designs, with_limits_of_study
 from femstruct.campaign.optimise import HELD, designs_of, ends_of, table_of
 from femstruct.declared import Count, expect
 from femstruct.errors import InputError
@@ -169,7 +169,7 @@ def searched(designs: Designs, course: Evolution) -> tuple[tuple[int, ...], bool
     return tuple(generations), not designs.left, False
 
 
-def _excess(outcomes: Sequence[Outcome]) -> Floats:
+def _excess(outcomes: Sequence[DesignOutcome]) -> Floats:
     """By how much limits are exceeded [n, m + 1]; the last of them is that a design is to be trusted."""
     told = np.array([(*one.excess, 0.0 if one.sound else NEVER) for one in outcomes])
     return np.where(told <= HELD, 0.0, told)

@@ -15,7 +15,15 @@ import numpy as np
 from scipy import optimize
 
 from femstruct.arrays import Floats
-from femstruct.campaign.designs import NEVER, Designs, Outcome, Spent, refuse_values, with_limits_of_study, with_place
+from femstruct.campaign.designs import (
+    NEVER,
+    DesignOutcome,
+    Designs,
+    Spent,
+    refuse_values,
+    with_limits_of_study,
+    with_place,
+)
 from femstruct.campaign.executors import crew
 from femstruct.campaign.rows import Row, moved_aside, opened
 from femstruct.campaign.tasks import gathered, make_ready, versions
@@ -348,7 +356,7 @@ def _downhill(search: Search, designs: Designs, best: Floats, free: Sequence[int
     """A trust region method from one design, along the paths that are no lists, to a last radius."""
     scale = abs(designs.outcomes[designs.best].small) or 1.0
 
-    def at(x: Floats) -> Outcome:
+    def at(x: Floats) -> DesignOutcome:
         point = best.copy()
         point[free] = np.clip(x, 0.0, 1.0)
         return designs(point[None])[0]
@@ -389,7 +397,7 @@ def _by_simplexes(search: Search, designs: Designs, best: Floats, free: Sequence
     )
 
 
-def _limits(search: Search, outcomes: Callable[[Floats], list[Outcome]]) -> tuple[Any, ...]:
+def _limits(search: Search, outcomes: Callable[[Floats], list[DesignOutcome]]) -> tuple[Any, ...]:
     """The limits of one design [d], or of several [d, n], for scipy."""
     if not search.limits:
         return ()

@@ -8,7 +8,7 @@ import os
 import sys
 from pathlib import Path
 
-from femstruct.compiled.kernels import Unit
+from femstruct.compiled.kernels import CompiledUnit
 from femstruct.compiled.store import keep
 
 
@@ -23,7 +23,7 @@ def main() -> None:
     for line in sys.stdin:
         module, _, name = line.strip().rpartition(".")
         unit = getattr(importlib.import_module(module), name)
-        assert isinstance(unit, Unit), line
+        assert isinstance(unit, CompiledUnit), line
         keep(unit, machine_code(unit), folder)
         print(unit.name, flush=True)
 

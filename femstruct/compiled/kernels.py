@@ -54,11 +54,11 @@ class Slot:
     kind: str
     dtype: np.dtype[Any] | None = None
     ndim: int = 0
-    inner: Layout | None = None
+    inner: TupleLayout | None = None
 
 
 @dataclass(frozen=True)
-class Layout:
+class TupleLayout:
     """The slots of a named tuple, and how many words they take."""
 
     name: str
@@ -67,7 +67,7 @@ class Layout:
 
 
 @cache
-def layout_of(kind: type) -> Layout:
+def layout_of(kind: type) -> TupleLayout:
     """The layout of a named tuple by the types of its fields: int, bool, float, an array annotated with its number of
     dimensions (`Vector`, `Matrix`, ...) or its record dtype, or another named tuple.
 
@@ -86,7 +86,7 @@ def layout_of(kind: type) -> Layout:
         slot = slot_of(f"{kind.__name__}.{name}", name, at, hints[name])
         slots.append(slot)
         at += 1 + slot.ndim
-    return Layout(kind.__qualname__, tuple(slots), at)
+    return TupleLayout(kind.__qualname__, tuple(slots), at)
 
 
 def slot_of(where: str, name: str, at: int, hint: Any) -> Slot:
@@ -103,7 +103,7 @@ def slot_of(where: str, name: str, at: int, hint: Any) -> Slot:
     raise TypeError(f"{where}: {hint} has no layout for a kernel")
 
 
-def laid_out(layout: Layout, values: Sequence[Any], alive: list[Any]) -> int:
+def laid_out(layout: TupleLayout, values: Sequence[Any], alive: list[Any]) -> int:
     """Address of the words of a named tuple; alive : takes what must live as long as they are used.
 
     Raises TypeError for an array of another dtype or number of dimensions, or one that is not contiguous: a kernel
@@ -159,7 +159,7 @@ def call_at(address: int, x: float, y: float, numbers: Floats) -> float:
     return float(function(x, y, numbers.ctypes.data))
 
 
-class Unit(Generic[P, R]):
+class CompiledUnit(Generic[P, R]):
     """A kernel that is compiled by itself. Its arguments are numbers and named tuples with a layout, its value an int.
 
     seconds : about how long it takes to compile, on a usual core: for the remaining time that is shown.
@@ -206,23 +206,23 @@ class Unit(Generic[P, R]):
             digest.update(f"{function.__module__}.{function.__qualname__} {getattr(function, MARK, None)}".encode())
             digest.update(_code(function.__code__))
             digest.update(repr(sorted(_constants(function))).encode())
-        units: list[Unit[..., Any]] = [self, *units_called(self)]
+        units: list[CompiledUnit[..., Any]] = [self, *units_called(self)]
         for one in units:
             digest.update(f"{one.symbol} {one.slots}".encode())
         return digest.hexdigest()
 
 
-def unit(seconds: float) -> Callable[[Callable[P, R]], Unit[P, R]]:
+def unit(seconds: float) -> Callable[[Callable[P, R]], CompiledUnit[P, R]]:
     """Make a kernel a unit. seconds : about how long it takes to compile."""
 
-    def made(function: Callable[P, R]) -> Unit[P, R]:
+    def made(function: Callable[P, R]) -> CompiledUnit[P, R]:
         setattr(function, MARK, False)
-        return Unit(function, seconds)
+        return CompiledUnit(function, seconds)
 
     return made
 
 
-def kernels_of(unit: Unit[..., Any]) -> list[FunctionType]:
+def kernels_of(unit: CompiledUnit[..., Any]) -> list[FunctionType]:
     """The functions that are compiled in a unit, its own first."""
     found = [unit.python]
     for function in found:
@@ -230,13 +230,13 @@ def kernels_of(unit: Unit[..., Any]) -> list[FunctionType]:
     return found
 
 
-def units_called(unit: Unit[..., Any]) -> list[Unit[..., Any]]:
+def units_called(unit: CompiledUnit[..., Any]) -> list[CompiledUnit[..., Any]]:
     """The units that a unit needs beside itself, those that they need among them."""
-    found: list[Unit[..., Any]] = []
+    found: list[CompiledUnit[..., Any]] = []
     for one in (unit, *found):
         for function in kernels_of(one):
             for _, value in _globals(function):
-                if isinstance(value, Unit) and value is not unit and value not in found:
+                if isinstance(value, CompiledUnit) and value is not unit and value not in found:
                     found += [value, *(other for other in units_called(value) if other not in found)]
     return found
 

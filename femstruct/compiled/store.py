@@ -23,7 +23,7 @@ from typing import Any, Final
 
 import llvmlite.binding as llvm
 
-from femstruct.compiled.kernels import Unit, units_called
+from femstruct.compiled.kernels import CompiledUnit, units_called
 from femstruct.errors import FemstructError
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -64,11 +64,11 @@ def folder() -> Path:
     return Path(own)
 
 
-def _path(unit: Unit[..., Any], place: Path) -> Path:
+def _path(unit: CompiledUnit[..., Any], place: Path) -> Path:
     return place / f"{unit.symbol[-40:]}-{unit.fingerprint[:32]}{SUFFIX}"
 
 
-def kept(unit: Unit[..., Any]) -> bytes | None:
+def kept(unit: CompiledUnit[..., Any]) -> bytes | None:
     """The machine code of a unit, None where there is none."""
     path = _path(unit, folder())
     try:
@@ -83,7 +83,7 @@ def kept(unit: Unit[..., Any]) -> bytes | None:
     return None
 
 
-def keep(unit: Unit[..., Any], code: bytes, place: Path) -> None:
+def keep(unit: CompiledUnit[..., Any], code: bytes, place: Path) -> None:
     """Keep the machine code of a unit in a folder."""
     with tempfile.NamedTemporaryFile(dir=place, suffix=".part", delete=False) as file:
         file.write(hashlib.sha256(code).digest() + code)
@@ -115,10 +115,10 @@ class Compilation:
     """Units on their way to machine code. done : of them; failures : what a process said before it gave up. pace : how
     much longer than expected the last one took until it was done."""
 
-    units: Sequence[Unit[..., Any]]
+    units: Sequence[CompiledUnit[..., Any]]
     cores: int
     began: float = field(default_factory=time.monotonic)
-    done: list[Unit[..., Any]] = field(default_factory=list)
+    done: list[CompiledUnit[..., Any]] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     processes: list[subprocess.Popen[str]] = field(default_factory=list)
     pace: float = 1.0
@@ -153,7 +153,7 @@ class Compilation:
 
 
 @contextmanager
-def compilation(units: Sequence[Unit[..., Any]]) -> Iterator[Compilation]:
+def compilation(units: Sequence[CompiledUnit[..., Any]]) -> Iterator[Compilation]:
     """Compile what of these units, and of those they call, is missing, in processes beside this one.
 
     They are ended with the block, whatever ends it.
@@ -162,7 +162,7 @@ def compilation(units: Sequence[Unit[..., Any]]) -> Iterator[Compilation]:
     missing.sort(key=lambda unit: -unit.seconds)
     cores = min(len(missing), os.cpu_count() or 1)
     run = Compilation(missing, max(cores, 1))
-    queue: SimpleQueue[Unit[..., Any]] = SimpleQueue()
+    queue: SimpleQueue[CompiledUnit[..., Any]] = SimpleQueue()
     for one in missing:
         queue.put(one)
     if missing:
@@ -180,11 +180,11 @@ def compilation(units: Sequence[Unit[..., Any]]) -> Iterator[Compilation]:
             thread.join()
 
 
-def _with_called(units: Sequence[Unit[..., Any]]) -> list[Unit[..., Any]]:
+def _with_called(units: Sequence[CompiledUnit[..., Any]]) -> list[CompiledUnit[..., Any]]:
     return list(dict.fromkeys(one for unit in units for one in (unit, *units_called(unit))))
 
 
-def _work(run: Compilation, queue: SimpleQueue[Unit[..., Any]]) -> None:
+def _work(run: Compilation, queue: SimpleQueue[CompiledUnit[..., Any]]) -> None:
     """Give one process unit after unit until none is left."""
     command = [sys.executable, "-W", "ignore", "-m", "femstruct.compiled", str(folder())]
     try:
@@ -219,7 +219,7 @@ def _work(run: Compilation, queue: SimpleQueue[Unit[..., Any]]) -> None:
             run.done.append(unit)
 
 
-def code_of(units: Sequence[Unit[..., Any]]) -> dict[str, bytes]:
+def code_of(units: Sequence[CompiledUnit[..., Any]]) -> dict[str, bytes]:
     """Machine code by symbol, of the store or made now. Raises FemstructError where it cannot be made."""
     found = {unit.symbol: kept(unit) for unit in units}
     if None in found.values():
@@ -246,7 +246,7 @@ _LOCK = Lock()
 _ENGINES: Final[list[llvm.ExecutionEngine]] = []  # their code lives as long as they do
 
 
-def native(unit: Unit[..., Any]) -> Any:
+def native(unit: CompiledUnit[..., Any]) -> Any:
     """A unit's C function; the units it calls are loaded with it, or compiled where no run before has.
 
     Threads go on while it runs.

@@ -34,7 +34,7 @@ from numba.extending import (
 )
 from numba.np.arrayobj import populate_array
 
-from femstruct.compiled.kernels import LEVEL, MARK, Layout, Slot, Unit, call_at, kernels_of, units_called
+from femstruct.compiled.kernels import LEVEL, MARK, CompiledUnit, Slot, TupleLayout, call_at, kernels_of, units_called
 from femstruct.errors import FemstructError
 
 OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "_nrt": False}
@@ -48,7 +48,7 @@ PASSES: Final = 2  # what one proves constant, as that nothing is raised, the ne
 class ByAddress(types.Type):
     """numba's type of a named tuple that is laid out in words."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: TupleLayout) -> None:
         self.layout = layout
         digest = hashlib.sha256(repr(layout).encode()).hexdigest()[:8]  # names of functions are made of it
         super().__init__(name=f"ByAddress({layout.name} {digest})")
@@ -109,8 +109,8 @@ def _read(context: Any, builder: Any, typ: ByAddress, value: Any, name: str) -> 
     return out._getvalue()
 
 
-@typeof_impl.register(Unit)
-def _external(unit: Unit[..., Any], _: Any) -> types.Type:
+@typeof_impl.register(CompiledUnit)
+def _external(unit: CompiledUnit[..., Any], _: Any) -> types.Type:
     """A unit that another one calls is a C function of this name."""
     return types.ExternalFunction(unit.symbol, _signature(unit))
 
@@ -162,7 +162,7 @@ def own_code(function: Callable[..., float], takes_rate: bool, count: int) -> An
         ) from None
 
 
-def _signature(unit: Unit[..., Any]) -> Any:
+def _signature(unit: CompiledUnit[..., Any]) -> Any:
     return types.int64(*(_type(slot) for slot in unit.slots))
 
 
@@ -173,7 +173,7 @@ def _inner(function: Callable[..., Any]) -> None:
     register_jitable(**INNER, **sums)(function)
 
 
-def machine_code(unit: Unit[..., Any]) -> bytes:
+def machine_code(unit: CompiledUnit[..., Any]) -> bytes:
     """The object file of a unit: one C function of its symbol, that calls other units and C's library.
 
     Raises numba's errors for what it cannot translate; RuntimeError where the code needs anything else at run time.

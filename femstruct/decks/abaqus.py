@@ -17,7 +17,7 @@ from femstruct.errors import InputError
 from femstruct.files.text_tables import beside, content, floats, integers, lines_of, wrong_line
 from femstruct.model.imported_mesh import (
     KINDS,
-    Block,
+    CellBlock,
     Gathered,
     Makes,
     Stated,
@@ -198,7 +198,7 @@ class Deck:
 
     nodes: list[Integers] = field(default_factory=list)
     points: list[Floats] = field(default_factory=list)
-    blocks: list[Block] = field(default_factory=list)
+    blocks: list[CellBlock] = field(default_factory=list)
     node_sets: dict[str, list[Integers]] = field(default_factory=dict)
     cell_sets: dict[str, list[Integers]] = field(default_factory=dict)
     properties: list[StatedProperty] = field(default_factory=list)
@@ -779,7 +779,7 @@ def _elements(keyword: Keyword, deck: Deck) -> None:
         raise wrong_line(keyword.path, number, got, f"{width}: its own and its nodes")
     rows = flat.reshape(-1, width)
     nodes = rows[:, 1:][:, _ORDER[kind]] if kind in _ORDER else rows[:, 1:]
-    deck.blocks.append(Block(kind, rows[:, 0], nodes))
+    deck.blocks.append(CellBlock(kind, rows[:, 0], nodes))
     deck.elements.setdefault(name, []).append(rows[:, 0])
     if "ELSET" in keyword.options:
         deck.cell_sets.setdefault(known_as(deck.cell_sets, keyword.options["ELSET"]), []).append(rows[:, 0])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError
 from femstruct.files.text_tables import wrong_line
-from femstruct.model.imported_mesh import KINDS, Block, Gathered, Makes, Stated, Tally
+from femstruct.model.imported_mesh import KINDS, CellBlock, Gathered, Makes, Stated, Tally
 
 _POINT: Final = 15
 _TYPES: Final = {
@@ -312,8 +312,8 @@ def _width(section: _Section, code: int) -> int:
     return KINDS[_TYPES[code]].nodes
 
 
-def _block(kind: str, numbers: Integers, nodes: Integers) -> Block:
-    return Block(kind, numbers, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes)
+def _block(kind: str, numbers: Integers, nodes: Integers) -> CellBlock:
+    return CellBlock(kind, numbers, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes)
 
 
 def _into(members: dict[Group, list[Integers]], dimension: int, groups: Integers, numbers: Integers) -> None:

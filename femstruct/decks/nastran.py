@@ -23,16 +23,16 @@ from femstruct.decks.nastran_cards import (
     WITHOUT_EFFECT,
     Bulk,
     Card,
-    Line,
+    DeckLine,
     Shelled,
-    Spread,
+    SpreadMass,
     cards_of,
 )
 from femstruct.decks.stated import in_global_directions
 from femstruct.errors import InputError, some_of
 from femstruct.files.text_tables import lines_of, wrong_line
 from femstruct.model.imported_mesh import (
-    Block,
+    CellBlock,
     Gathered,
     Makes,
     Stated,
@@ -159,7 +159,7 @@ class Control(NamedTuple):
     masses: list[int]
 
 
-def case_control(lines: Sequence[Line]) -> Control:
+def case_control(lines: Sequence[DeckLine]) -> Control:
     """What lines of the case control say.
 
     SET 5 = 1, 2, 7 THRU 9: a line that ends in a comma goes on. SPC = 1 names the supports. Raises InputErrors.
@@ -238,7 +238,7 @@ def pcomp(card: Card, bulk: Bulk) -> None:
     whose, line = f"{card.name} {number}", card.number
     bulk.leave_out_of(number, whose, Makes.LAY_UP, f"{len(made)} layers", line)
     if card.real(2, 0.0):
-        bulk.spread.append(Spread(f"NSM of {whose}", card.real(2), "area", line, (number,)))
+        bulk.spread.append(SpreadMass(f"NSM of {whose}", card.real(2), "area", line, (number,)))
     if (word := card.field(7).upper()) not in ("", "SYM"):
         bulk.leave_out_of(number, f"LAM {word} of {whose}", Makes.SECTION, "layers that act otherwise", line)
     total = sum(one.thickness for one in made)
@@ -265,9 +265,9 @@ def nsm(card: Card, bulk: Bulk) -> bool:
         if kind == "ELEMENT" or per == "total":
             properties = () if kind == "ELEMENT" else tuple(numbers)
             elements = tuple(numbers) if kind == "ELEMENT" else ()
-            bulk.spread.append(Spread(what, amount, per, card.number, properties, elements))
+            bulk.spread.append(SpreadMass(what, amount, per, card.number, properties, elements))
         else:
-            bulk.spread += [Spread(what, amount, per, card.number, (one,)) for one in numbers]
+            bulk.spread += [SpreadMass(what, amount, per, card.number, (one,)) for one in numbers]
     return True
 
 
@@ -300,7 +300,7 @@ def judge_shells(bulk: Bulk) -> None:
         membrane, bending, shear, coupled = one.materials
         differ = [m for m in (membrane, bending) if m > 0]
         if one.nsm:
-            bulk.spread.append(Spread(f"NSM of {whose}", one.nsm, "area", line, (number,)))
+            bulk.spread.append(SpreadMass(f"NSM of {whose}", one.nsm, "area", line, (number,)))
         if not bending:
             left.add(f"{whose} without MID2", Makes.SECTION, "a membrane, without stiffness in bending", line, cells)
         elif not membrane:
@@ -555,7 +555,7 @@ def _gathered(bulk: Bulk) -> Gathered:
     for kind, rows in bulk.cells.items():
         table = np.array(rows, np.int64)
         nodes = table[:, 1:][:, _HEX20] if kind == "hex20" else table[:, 1:]
-        blocks.append(Block(kind, table[:, 0], nodes))
+        blocks.append(CellBlock(kind, table[:, 0], nodes))
     cell_sets = {_property(bulk, number): np.array(some) for number, some in bulk.by_property.items()}
     judge_shells(bulk)
     if missing := bulk.ranged.difference(bulk.numbers):

@@ -181,7 +181,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD]?[+-]?\d+)?")
 _BARE_EXPONENT = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))([+-]\d+)$")
 
 
-class Line(NamedTuple):
+class DeckLine(NamedTuple):
     """A line of a file, from 1."""
 
     path: Path
@@ -258,14 +258,14 @@ class Card(NamedTuple):
         return numbers
 
 
-def cards_of(path: Path, lines: list[str]) -> tuple[list[Line], list[Card], bool]:
+def cards_of(path: Path, lines: list[str]) -> tuple[list[DeckLine], list[Card], bool]:
     """Lines of the case control, cards of the bulk data up to ENDDATA, and whether there is one.
 
     Lines of files that it includes stand in their places. Raises InputErrors for a file that ends before its last card
     does, and for a whole one, with BEGIN BULK, that has no ENDDATA: Nastran asks for it, so that such a file is cut.
     Bulk data alone is often written without.
     """
-    every = list(_with_included([Line(path, number, line) for number, line in enumerate(lines, 1)], depth=0))
+    every = list(_with_included([DeckLine(path, number, line) for number, line in enumerate(lines, 1)], depth=0))
     begin = next((n for n, one in enumerate(every) if re.match(r"\s*BEGIN\s+BULK", one.text, re.IGNORECASE)), -1)
     found: list[Card] = []
     ended, last = False, ""
@@ -293,7 +293,7 @@ def cards_of(path: Path, lines: list[str]) -> tuple[list[Line], list[Card], bool
     return every[: begin + 1], found, ended
 
 
-def _with_included(lines: list[Line], depth: int) -> Iterator[Line]:
+def _with_included(lines: list[DeckLine], depth: int) -> Iterator[DeckLine]:
     """All lines, those of INCLUDE 'FILE' replaced by those of the file, which is sought beside the one that names it.
 
     A name may go on over lines until its quotation mark. Raises InputErrors with the line for a file that is not there,
@@ -321,10 +321,10 @@ def _with_included(lines: list[Line], depth: int) -> Iterator[Line]:
             if getattr(error, "errors", ()):
                 raise
             raise wrong_line(one.path, one.number, error.got, error.expected, error.do) from None
-        yield from _with_included([Line(inner, number, text) for number, text in enumerate(texts, 1)], depth + 1)
+        yield from _with_included([DeckLine(inner, number, text) for number, text in enumerate(texts, 1)], depth + 1)
 
 
-def _split(line: Line, text: str) -> tuple[str, list[str]]:
+def _split(line: DeckLine, text: str) -> tuple[str, list[str]]:
     """Name of a line, or its mark of continuation, and its fields: eight, or four of a large one.
 
     Raises InputErrors for more, which would be lost: a field behind the last is the mark of continuation, in words.
@@ -366,7 +366,7 @@ class Shelled(NamedTuple):
     card: Card
 
 
-class Spread(NamedTuple):
+class SpreadMass(NamedTuple):
     """Mass on the cells of properties, or on elements, by their numbers. what : as the card calls it. line : its first
     one. per : "area", or all of it."""
 
@@ -402,7 +402,7 @@ class Bulk:
     sets: dict[str, list[int]] = field(default_factory=dict)
     left_out: Tally = field(default_factory=Tally)
     of_property: list[tuple[int, str, Makes, str, int]] = field(default_factory=list)  # left out, of cells to come
-    spread: list[Spread] = field(default_factory=list)
+    spread: list[SpreadMass] = field(default_factory=list)
     added: dict[int, list[int]] = field(default_factory=dict)  # sets of supports that SPCADD makes one
     chosen: list[int] = field(default_factory=list)  # sets of supports by SPC = N of the case control
     open_end: str = ""  # the word that would end the file, and its last card, where it has none

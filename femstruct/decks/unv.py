@@ -14,7 +14,7 @@ import numpy as np
 from femstruct.arrays import Integers
 from femstruct.errors import InputError
 from femstruct.files.text_tables import floats, integers, lines_of, wrong_line
-from femstruct.model.imported_mesh import KINDS, Block, Gathered, Makes, Stated, Tally
+from femstruct.model.imported_mesh import KINDS, CellBlock, Gathered, Makes, Stated, Tally
 
 Lines = list[tuple[int, list[str]]]
 _KINDS: Final = {
@@ -131,7 +131,7 @@ def _nodes(path: Path, lines: Lines) -> tuple[Integers, np.ndarray]:
     return integers(path, heads).reshape(-1, 4)[:, 0], floats(path, places).reshape(-1, 3)
 
 
-def _elements(path: Path, lines: Lines) -> list[Block]:
+def _elements(path: Path, lines: Lines) -> list[CellBlock]:
     rows: dict[str, list[list[int]]] = {}
     at = 0
     while at < len(lines):
@@ -157,7 +157,7 @@ def _elements(path: Path, lines: Lines) -> list[Block]:
     for kind, some in rows.items():
         table = np.array(some, np.int64)
         order = _ORDER.get(kind, list(range(KINDS[kind].nodes)))
-        blocks.append(Block(kind, table[:, 0], table[:, 1:][:, order]))
+        blocks.append(CellBlock(kind, table[:, 0], table[:, 1:][:, order]))
     return blocks
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from femstruct.arrays import Integers
 from femstruct.errors import InputError, cut
-from femstruct.model.imported_mesh import Block, Gathered
+from femstruct.model.imported_mesh import CellBlock, Gathered
 
 _KINDS: Final = {
     "line": "line2", "line3": "line3", "triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8",
@@ -64,7 +64,7 @@ def read_vtu(path: Path, data: bytes) -> Gathered:
     first, made = 1, []
     for kind, some in blocks:
         if kind != "vertex":
-            made.append(Block(_KINDS[kind], np.arange(first, first + len(some)), some.astype(np.int64) + 1))
+            made.append(CellBlock(_KINDS[kind], np.arange(first, first + len(some)), some.astype(np.int64) + 1))
         first += len(some)
     cell_sets = _sets({name: np.concatenate(some) for name, some in mesh.cell_data.items()}, first - 1)
     lone = np.concatenate([np.arange(0), *(b.numbers for b in made)])

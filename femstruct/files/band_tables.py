@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from femstruct.errors import InputError, shown_as, some_of
-from femstruct.files.text_tables import Grid, Head, Row, head_of, read_grid, scale_of, wrong_in
+from femstruct.files.text_tables import Head, TextRow, TextTable, head_of, read_grid, scale_of, wrong_in
 
 LOWEST_HZ, HIGHEST_HZ = 10.0, 20e3  # nominal third octaves
 _NOMINAL: Final = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)  # IEC 61260-1 annex E, one decade
@@ -75,7 +75,7 @@ def read_bands(path: Path, dimension: str, sources: dict[str, str], column: str 
     return bands_in(grid, dimension, column)
 
 
-def bands_in(grid: Grid, dimension: str, column: str = "") -> dict[float, BandValue]:
+def bands_in(grid: TextTable, dimension: str, column: str = "") -> dict[float, BandValue]:
     """The bands of a table that is read; as `read_bands`."""
     heads, kilo, rows = _table(grid)
     number = _chosen(grid, [head_of(one, dimension) for one in heads], column, rows[0].line)
@@ -109,7 +109,7 @@ def bands_in(grid: Grid, dimension: str, column: str = "") -> dict[float, BandVa
     return found
 
 
-def _table(grid: Grid) -> tuple[list[list[str]], bool, list[Row]]:
+def _table(grid: TextTable) -> tuple[list[list[str]], bool, list[TextRow]]:
     """What stands above each column of values, from the top; whether bands are in kHz; lines that begin with a band,
     and all that follow."""
     across = next((i for i in range(len(grid.rows)) if _is_across(grid, i)), None)
@@ -129,7 +129,7 @@ def _table(grid: Grid) -> tuple[list[list[str]], bool, list[Row]]:
     return heads, any(_in_kilohertz(cells[0]) for cells in above), list(grid.rows[first:])
 
 
-def _is_across(grid: Grid, at: int) -> bool:
+def _is_across(grid: TextTable, at: int) -> bool:
     """Whether a line has bands beside one another, behind a label or from its first cell on.
 
     Raises InputErrors where its first cell is neither, and where bands may as well stand below one another.
@@ -154,7 +154,7 @@ def _is_across(grid: Grid, at: int) -> bool:
     raise grid.wrong(row, got, "one of them", "write a word, such as 'Band', before the bands of a line")
 
 
-def _turned(grid: Grid, across: int) -> tuple[list[list[str]], bool, list[Row]]:
+def _turned(grid: TextTable, across: int) -> tuple[list[list[str]], bool, list[TextRow]]:
     """A table with its bands beside one another, as one with its bands below one another."""
     head, below = grid.rows[across], [row for row in grid.rows[across + 1 :] if len(row.cells) > 1]
     if not below:
@@ -168,11 +168,11 @@ def _turned(grid: Grid, across: int) -> tuple[list[list[str]], bool, list[Row]]:
         if lost and lost != row.cells[0]:
             raise grid.wrong(row, f"{shown_as(lost)} below no band", "a band above each value")
     named = [i for i, cell in enumerate(head.cells) if i and cell]
-    rows = [Row(below[0].line, [head.cells[i], *(row.cells[i] for row in below)]) for i in named]
+    rows = [TextRow(below[0].line, [head.cells[i], *(row.cells[i] for row in below)]) for i in named]
     return [[row.cells[0]] for row in below], _in_kilohertz(head.cells[0]), rows
 
 
-def _labelled(grid: Grid, head: Row, below: list[Row]) -> tuple[Row, list[Row]]:
+def _labelled(grid: TextTable, head: TextRow, below: list[TextRow]) -> tuple[TextRow, list[TextRow]]:
     """Lines that begin with a band and with its values, with a blank label before each; values may have theirs."""
     made = []
     for row in below:
@@ -180,11 +180,11 @@ def _labelled(grid: Grid, head: Row, below: list[Row]) -> tuple[Row, list[Row]]:
         if words and len(row.cells) <= len(head.cells):
             got = f"{shown_as(row.cells[0])} below the band {head.cells[0]}"
             raise grid.wrong(row, got, "a value", "write a word, such as 'Band', before the first band")
-        made.append(row if words else Row(row.line, ["", *row.cells]))
-    return Row(head.line, ["", *head.cells]), made
+        made.append(row if words else TextRow(row.line, ["", *row.cells]))
+    return TextRow(head.line, ["", *head.cells]), made
 
 
-def _chosen(grid: Grid, heads: Sequence[Head], column: str, line: int) -> int:
+def _chosen(grid: TextTable, heads: Sequence[Head], column: str, line: int) -> int:
     """Which column of values is meant, from 0."""
     names = [head.name for head in heads]
     if column:
@@ -207,7 +207,7 @@ def _chosen(grid: Grid, heads: Sequence[Head], column: str, line: int) -> int:
     return 0
 
 
-def _begins(grid: Grid, row: Row) -> bool:
+def _begins(grid: TextTable, row: TextRow) -> bool:
     """Whether a line is the first of a table: a band, and a number or a blank."""
     try:
         is_band = band_of(row.cells[0]) is not None

@@ -9,7 +9,7 @@ from typing import Final, TypeVar
 import numpy as np
 
 from femstruct.errors import FemstructError, InputError, InputErrors, sentence, shown_as
-from femstruct.files.text_tables import Grid, Row, Scale, head_of, read_grid, scale_of, wrong_in
+from femstruct.files.text_tables import Scale, TextRow, TextTable, head_of, read_grid, scale_of, wrong_in
 from femstruct.impact.scene import Table
 
 T = TypeVar("T")
@@ -75,7 +75,7 @@ def read_columns(path: Path, dimensions: Sequence[str], sources: dict[str, str],
     grid, count = read_grid(path, sources), len(dimensions)
     expected = f"{_COUNTS[count]}: {_WORDS[dimensions[0]][count]}"
     lines: list[list[float]] = []
-    head: list[Row] = []
+    head: list[TextRow] = []
     scales: list[Scale] = []
     for row in grid.rows:
         numbers = _numbers(grid, row)
@@ -101,7 +101,7 @@ def read_columns(path: Path, dimensions: Sequence[str], sources: dict[str, str],
         raise InputErrors((f"{path}:1:1: {sentence('', error.got, error.expected, error.do)}",)) from None
 
 
-def _numbers(grid: Grid, row: Row) -> list[float] | None:
+def _numbers(grid: TextTable, row: TextRow) -> list[float] | None:
     """The numbers of a line; None for words."""
     found = [grid.number(row, cell) for cell in row.cells]
     numbers = [one for one in found if one is not None]
@@ -113,7 +113,7 @@ def _numbers(grid: Grid, row: Row) -> list[float] | None:
 _ENDLESS: Final = ("nan", "inf", "infinity")
 
 
-def _scales(grid: Grid, head: Sequence[Row], dimensions: Sequence[str]) -> list[Scale]:
+def _scales(grid: TextTable, head: Sequence[TextRow], dimensions: Sequence[str]) -> list[Scale]:
     """What the units in the last two lines of a head make of the columns."""
     above = [row for row in head[-2:] if len(row.cells) == len(dimensions)]
     try:

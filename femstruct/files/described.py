@@ -21,7 +21,7 @@ ByHand = Mapping[str, Callable[["h5py.Group", Any], None]]  # keys whose group h
 _NONE_BY_HAND: Final[ByHand] = MappingProxyType({})
 
 
-class Entry(NamedTuple):
+class DescribedEntry(NamedTuple):
     """One of the things that a noun reports."""
 
     name: str
@@ -34,12 +34,12 @@ class Entry(NamedTuple):
         return self.told.key or self.name
 
 
-def entries(noun: Any) -> Iterator[Entry]:
+def entries(noun: Any) -> Iterator[DescribedEntry]:
     """All that a noun reports, in the order of its fields and properties."""
     kind: object = type(noun)
     for name, told in reported(kind).items():
         unit = getattr(noun, "unit", told.unit) if told.unit == OWN_UNIT else told.unit
-        yield Entry(name, told._replace(unit=unit), getattr(noun, name))
+        yield DescribedEntry(name, told._replace(unit=unit), getattr(noun, name))
 
 
 def described(noun: Any) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from femstruct.arrays import Floats
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import InputError, shown_as
-from femstruct.files.text_tables import Grid, Row, read_grid, wrong_in
+from femstruct.files.text_tables import TextRow, TextTable, read_grid, wrong_in
 from femstruct.files.uff import write_uff
 from femstruct.files.writing import replacing
 from femstruct.modal.frf import FrfKind, frf_unit
@@ -137,7 +137,7 @@ def read_frf_csv(path: Path) -> list[FrfColumns]:
     return made
 
 
-def _numbers(grid: Grid, row: Row, count: int) -> list[float]:
+def _numbers(grid: TextTable, row: TextRow, count: int) -> list[float]:
     found = [one for cell in row.cells if (one := grid.number(row, cell)) is not None]
     if len(found) != count or len(row.cells) != count:
         raise grid.wrong(row, f"{len(found)} numbers", f"{count}, one below each head")

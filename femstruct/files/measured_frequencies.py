@@ -10,7 +10,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError, shown_as
-from femstruct.files.text_tables import Grid, Head, Row, factor_of, head_of, read_grid, wrong_in
+from femstruct.files.text_tables import Head, TextRow, TextTable, factor_of, head_of, read_grid, wrong_in
 
 NUMBER, FREQUENCY, SCATTER = "mode", "frequency", "scatter"
 _WORDS: Final = {
@@ -65,7 +65,7 @@ def read_frequencies(path: Path) -> FrequencyTable:
     return FrequencyTable(frequency[order], numbers, None if scatter is None else scatter[order])
 
 
-def _columns(grid: Grid, head: Row) -> dict[str, tuple[int, Head]]:
+def _columns(grid: TextTable, head: TextRow) -> dict[str, tuple[int, Head]]:
     """Where each column is, by what its head says."""
     heads = [head_of([cell], "frequency") for cell in head.cells]
     known = {word: name for name, words in _WORDS.items() for word in words}
@@ -80,7 +80,7 @@ def _columns(grid: Grid, head: Row) -> dict[str, tuple[int, Head]]:
     return found
 
 
-def _hertz(grid: Grid, row: Row, head: Head) -> float:
+def _hertz(grid: TextTable, row: TextRow, head: Head) -> float:
     """What the unit of a column multiplies its numbers with; plain ones are in Hz."""
     try:
         return factor_of(head.unit, "frequency")[0]
@@ -88,14 +88,14 @@ def _hertz(grid: Grid, row: Row, head: Head) -> float:
         raise wrong_in(grid.path, row.line, error) from None
 
 
-def _value(grid: Grid, row: Row, at: int) -> float:
+def _value(grid: TextTable, row: TextRow, at: int) -> float:
     value = grid.number(row, row.cells[at]) if at < len(row.cells) else None
     if value is None:
         raise grid.wrong(row, shown_as(row.cells[at]) if at < len(row.cells) else "no value", "a number")
     return value
 
 
-def _scatter(grid: Grid, rows: tuple[Row, ...], values: Floats, head: Head, frequency: Floats) -> Floats:
+def _scatter(grid: TextTable, rows: tuple[TextRow, ...], values: Floats, head: Head, frequency: Floats) -> Floats:
     """Standard deviations [Hz]: of a column in per cent they are shares of the frequencies."""
     scatter = values * (frequency / 100.0 if head.unit == "%" else _hertz(grid, grid.rows[0], head))
     for row, one, hertz in zip(rows, scatter.tolist(), frequency.tolist(), strict=True):
@@ -107,7 +107,7 @@ def _scatter(grid: Grid, rows: tuple[Row, ...], values: Floats, head: Head, freq
     return np.asarray(scatter)
 
 
-def _check_numbers(grid: Grid, rows: tuple[Row, ...], numbers: Floats) -> None:
+def _check_numbers(grid: TextTable, rows: tuple[TextRow, ...], numbers: Floats) -> None:
     for row, number in zip(rows, numbers.tolist(), strict=True):
         if number < 1 or number != int(number):
             raise grid.wrong(row, f"mode {number:g}", "a mode number from 1, as 'femstruct modes' prints it")

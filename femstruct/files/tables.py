@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from acoustics.errors import Advice
 from femstruct.errors import Finding
 from femstruct.findings.catalogue import place_of, rank_of
-from femstruct.model.library import Entry as LibraryEntry
+from femstruct.model.library import LibraryEntry
 from femstruct.study.recorded import NET_FORCE
 
 if TYPE_CHECKING:

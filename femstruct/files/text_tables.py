@@ -240,7 +240,7 @@ _BLANKS: Final = re.compile(r"\s+")
 _LOOKED: Final = 200  # lines by which separators are told
 
 
-class Row(NamedTuple):
+class TextRow(NamedTuple):
     """A line of a table: its number, from 1, and its cells."""
 
     line: int
@@ -248,14 +248,14 @@ class Row(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Grid:
+class TextTable:
     """Lines of a table that are not empty and no comments (#). comma : whether its decimals have a comma."""
 
     path: Path
-    rows: tuple[Row, ...]
+    rows: tuple[TextRow, ...]
     comma: bool
 
-    def number(self, row: Row, cell: str) -> float | None:
+    def number(self, row: TextRow, cell: str) -> float | None:
         """The number in a cell; None for words. Raises InputErrors for thousands separators, and for decimals of
         another kind than those of the table."""
         if _GROUPED.fullmatch(cell):
@@ -267,13 +267,13 @@ class Grid:
             raise self.wrong(row, got, "decimals of one kind and no thousands separators", _LEAVE)
         return float(cell.replace(",", "."))
 
-    def refuse_longer(self, row: Row) -> None:
+    def refuse_longer(self, row: TextRow) -> None:
         """Raise InputErrors for a line with more cells than the first has, as decimal commas between commas make it."""
         count, heads = len(row.cells), len(self.rows[0].cells)
         if any(row.cells[heads:]):
             raise self.wrong(row, f"{count} cells below {heads} head{'s' * (heads > 1)}", "one below each", _SEMICOLONS)
 
-    def wrong(self, row: Row, got: str, expected: str, do: str = "") -> InputErrors:
+    def wrong(self, row: TextRow, got: str, expected: str, do: str = "") -> InputErrors:
         """A mistake in one of its lines."""
         return wrong_in(self.path, row.line, InputError("", got=got, expected=expected, do=do))
 
@@ -289,7 +289,7 @@ def wrong_in(path: Path, line: int, error: InputError) -> InputErrors:
 
 def read_grid(
     path: Path, sources: dict[str, str], what: str = "a CSV file beside the study", single: bool = False
-) -> Grid:
+) -> TextTable:
     """The table in a file. sources : is given its text under its name. single : whether one column alone is a table:
     below a head without a comma, numbers with one comma each are then decimals, not two columns.
 
@@ -306,7 +306,7 @@ def read_grid(
     return grid_of(path, text, single)
 
 
-def grid_of(path: Path, text: str, single: bool = False) -> Grid:
+def grid_of(path: Path, text: str, single: bool = False) -> TextTable:
     """The table in a text; path : for messages; single : as in `read_grid`.
 
     >>> grid_of(Path("a.csv"), "Hz;T [s]\\n63;1,5\\n").rows[1], grid_of(Path("a.csv"), "63;1,5").comma
@@ -324,10 +324,10 @@ def grid_of(path: Path, text: str, single: bool = False) -> Grid:
             found = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
     except csv.Error:
         raise InputError("", got=f"'{path}', which is no table", expected="a CSV file") from None
-    rows = tuple(Row(number, cells) for number, cells in found if any(cells) and not cells[0].startswith("#"))
+    rows = tuple(TextRow(number, cells) for number, cells in found if any(cells) and not cells[0].startswith("#"))
     numbers = [cell for row in rows for cell in row.cells if _NUMBER.fullmatch(cell)]
     commas, points = (any(mark in cell for cell in numbers) for mark in ",.")
-    return Grid(path, rows, commas and (separator != "," or not points))  # in a table of commas they are in quotes
+    return TextTable(path, rows, commas and (separator != "," or not points))  # in a table of commas they are in quotes
 
 
 def _is_one_column(lines: list[str]) -> bool:

@@ -34,7 +34,7 @@ CATALOGUE: Final[Mapping[str, Entry]] = MappingProxyType(
 )
 
 
-class Reported(Protocol):
+class Ranked(Protocol):
     """What is ranked: a finding, with its code, its sentence and whether it forbids trust."""
 
     @property
@@ -45,7 +45,7 @@ class Reported(Protocol):
     def severe(self) -> bool: ...
 
 
-Found = TypeVar("Found", bound=Reported)
+Found = TypeVar("Found", bound=Ranked)
 
 
 def entry_of(code: str) -> Entry:
@@ -86,6 +86,6 @@ def ranked(found: Iterable[Found]) -> tuple[Found, ...]:
     return tuple(sorted(once.values(), key=place_of))
 
 
-def place_of(one: Reported) -> int:
+def place_of(one: Ranked) -> int:
     """Where a finding comes in a report: 0 for what forbids trust, 1 for what limits it, 2 for remarks."""
     return list(Rank).index(rank_of(one.code, one.severe))

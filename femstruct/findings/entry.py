@@ -27,7 +27,7 @@ CHOSEN: Final = "engineering judgement"
 
 
 @dataclass(frozen=True)
-class Limit:
+class Threshold:
     """A threshold: from where on a finding is raised or, with `forbids`, forbids trust.
 
     value : in the unit that `of` names. of : what the number is of; "% of .." shows a share in per cent.
@@ -65,5 +65,5 @@ class Entry:
     rank: Rank
     when: str
     do: str
-    limits: tuple[Limit, ...] = ()
+    limits: tuple[Threshold, ...] = ()
     forbids: str = ""

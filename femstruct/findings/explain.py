@@ -6,7 +6,7 @@ from textwrap import fill
 from typing import Any, Final
 
 from femstruct.findings.catalogue import CATALOGUE, SUBJECTS
-from femstruct.findings.entry import MEANING, Entry, Limit, Rank
+from femstruct.findings.entry import MEANING, Entry, Rank, Threshold
 
 WIDTH: Final = 88  # characters of a line
 
@@ -110,7 +110,7 @@ def _ranks(entry: Entry) -> str:
     return f"{entry.rank.value}, or {Rank.FORBIDS.value}" if entry.forbids else entry.rank.value
 
 
-def _limit(limit: Limit) -> str:
+def _limit(limit: Threshold) -> str:
     return f"{limit.shown}: {limit.reason} (source: {limit.source})"
 
 

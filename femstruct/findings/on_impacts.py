@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Threshold
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Findings on simulated impacts: numerical errors, contacts, blows and loads.
@@ -18,14 +18,14 @@ IMPACT: Final = (
         "the residual of the energy balance is more than the threshold share of the energy put in",
         "Shorten the window. In Python, give 'Clock' a smaller tolerance.",
         (
-            Limit(
+            Threshold(
                 1e-8,
                 "of the energy put in",
                 "a resolved run stays below",
                 CHOSEN,
                 "blow_by_blow.ENERGY_DRIFT",
             ),
-            Limit(
+            Threshold(
                 1e-6,
                 "of the energy put in",
                 "100 times what is allowed",
@@ -46,7 +46,7 @@ IMPACT: Final = (
         "Use a finer mesh. If the stress then grows, it is infinite in the model: put a force or support on a set of "
         "nodes or on a patch, and at a re-entrant corner or a clamped edge quote the stress one thickness away.",
         (
-            Limit(
+            Threshold(
                 0.2,
                 "of the largest stress",
                 "a smooth stress changes by less from cell to cell",
@@ -79,10 +79,10 @@ IMPACT: Final = (
         "for; or a contact is shorter than the last threshold and the energy balance does not close ('energy-drift')",
         "Shorten the window, or study the scatter of many runs. In Python, give 'Clock' a smaller tolerance.",
         (
-            Limit(
+            Threshold(
                 1e-3, "of the peak force", "figures are quoted to three digits", CHOSEN, "numerical_error.UNRESOLVED"
             ),
-            Limit(
+            Threshold(
                 1e-2,
                 "of the peak force",
                 "more than 1 % is visible",
@@ -90,14 +90,14 @@ IMPACT: Final = (
                 "numerical_error.NOT_TRUSTED",
                 forbids=True,
             ),
-            Limit(
+            Threshold(
                 0.1,
                 "of 'accuracy: within', where that is less",
                 "the rest of the accuracy is for the modes",
                 CHOSEN,
                 "numerical_error.ASKED",
             ),
-            Limit(
+            Threshold(
                 100.0,
                 "event resolutions (shortest time steps) in the shortest contact",
                 "peaks are then right to 1e-3",
@@ -113,7 +113,7 @@ IMPACT: Final = (
         LIMITS,
         "the estimated error is more than the threshold share of the largest speed",
         "Do not quote the end state. Each collision multiplies the errors before it; shorten the window.",
-        (Limit(1e-2, "of the largest speed", "more than 1 % is visible", CHOSEN, "numerical_error.NOT_TRUSTED"),),
+        (Threshold(1e-2, "of the largest speed", "more than 1 % is visible", CHOSEN, "numerical_error.NOT_TRUSTED"),),
     ),
     Entry(
         "beyond-table",
@@ -136,7 +136,7 @@ IMPACT: Final = (
         "the law of Lankarani and Nikravesh misses the restitution by more than the threshold",
         "Use 'hunt-crossley', which gives it.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "of restitution",
                 "it is missed by more than this where less than 0.79 is asked for",
@@ -151,7 +151,7 @@ IMPACT: Final = (
         LIMITS,
         "the energy at the end is more than the threshold share of the largest",
         "Simulate longer, if spectra are of interest. Peaks of motions and forces are not affected.",
-        (Limit(1e-2, "of the largest energy", "a decay by 20 dB", CHOSEN, "blow_by_blow.NOT_DECAYED"),),
+        (Threshold(1e-2, "of the largest energy", "a decay by 20 dB", CHOSEN, "blow_by_blow.NOT_DECAYED"),),
     ),
     Entry(
         "contact-coarsely-sampled",
@@ -161,14 +161,14 @@ IMPACT: Final = (
         "force is lower than the peak by more than the second",
         "Sample faster. The table of contacts has the true peak, and so have peaks and limits.",
         (
-            Limit(
+            Threshold(
                 10.0,
                 "samples a contact",
                 "the peak is missed by 1 %",
                 "half sine between two samples",
                 "blow_by_blow.SAMPLES_PER_CONTACT",
             ),
-            Limit(0.05, "% of the peak", "more is visible", CHOSEN, "impact_findings.PEAK_MISSED"),
+            Threshold(0.05, "% of the peak", "more is visible", CHOSEN, "impact_findings.PEAK_MISSED"),
         ),
     ),
     Entry(
@@ -183,21 +183,21 @@ IMPACT: Final = (
         "Sample faster. Peaks and limits are found on a finer grid and hold; histories, spectra and sound have the "
         "samples of the study.",
         (
-            Limit(
+            Threshold(
                 2.0,
                 "samples in a period of the last mode",
                 "a vibration with fewer shows at a lower frequency",
                 "doi:10.1109/JRPROC.1949.232969",
                 "resampled.FOLDED",
             ),
-            Limit(
+            Threshold(
                 16.0,
                 "samples in a period of the last mode or pulse, on the finer grid for peaks",
                 "with fewer, peaks are more than 1.9 % low",
                 "(pi / 16)^2 / 2",
                 "resampled.ENOUGH",
             ),
-            Limit(
+            Threshold(
                 8.0,
                 "samples in a period of a pulse, on the finer grid for peaks",
                 "with fewer, peaks may be more than 8 % low",
@@ -205,14 +205,14 @@ IMPACT: Final = (
                 "impact_findings.FEW",
                 forbids=True,
             ),
-            Limit(
+            Threshold(
                 0.05,
                 "% of a peak that a history misses",
                 "more is visible",
                 CHOSEN,
                 "impact_findings.RECORDED_PEAK_MISSED",
             ),
-            Limit(
+            Threshold(
                 0.05,
                 "% of the rms of an acceleration",
                 "less changes the rms by 0.1 %",
@@ -229,7 +229,11 @@ IMPACT: Final = (
         LIMITS,
         "more than the threshold share of the energy of the force spectrum lies above the last mode",
         "Ask for more modes. Accelerations above the last mode are too low.",
-        (Limit(0.01, "% of the force spectrum", "a small part of what is excited", CHOSEN, "impact_findings.CONTENT"),),
+        (
+            Threshold(
+                0.01, "% of the force spectrum", "a small part of what is excited", CHOSEN, "impact_findings.CONTENT"
+            ),
+        ),
     ),
     Entry(
         "force-beyond-modes",
@@ -238,7 +242,11 @@ IMPACT: Final = (
         "the force has the finding contact-beyond-modes, and its peak differs by more than the threshold from that of "
         "the same blow on the infinite plate that is struck; on other parts, from that without residual vectors",
         "Do not quote the force and the rebound. Compute more modes, until both numbers agree.",
-        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"),),
+        (
+            Threshold(
+                0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"
+            ),
+        ),
     ),
     Entry(
         "preloads-add",
@@ -254,7 +262,7 @@ IMPACT: Final = (
         REMARK,
         "the energy that is left of a blow is more than the threshold share of its largest",
         "Increase 'every', if single blows are of interest.",
-        (Limit(1e-2, "of the largest energy", "a decay by 20 dB", CHOSEN, "blow_by_blow.AT_REST"),),
+        (Threshold(1e-2, "of the largest energy", "a decay by 20 dB", CHOSEN, "blow_by_blow.AT_REST"),),
     ),
     Entry(
         "lifted-in-contact",
@@ -276,7 +284,7 @@ IMPACT: Final = (
         LIMITS,
         "more than the threshold share of the impulse lies before t = 0 or after the end",
         "Shift the times of the load, or simulate longer.",
-        (Limit(0.01, "% of the impulse", "less is rounding of a measured record", CHOSEN, "impact_findings.CUT"),),
+        (Threshold(0.01, "% of the impulse", "less is rounding of a measured record", CHOSEN, "impact_findings.CUT"),),
         forbids="99 % of the load lies outside",
     ),
     Entry(
@@ -286,7 +294,7 @@ IMPACT: Final = (
         "the load has fewer samples than needed",
         "Sample at the stated frequency.",
         (
-            Limit(
+            Threshold(
                 10.0,
                 "samples a load",
                 "the peak of a half sine is then missed by 1 %",
@@ -301,7 +309,7 @@ IMPACT: Final = (
         LIMITS,
         "a body falls from more than the threshold",
         "Check the unit, which may be mm. Air drag is not modelled.",
-        (Limit(10.0, "m", "contact laws are measured at some m/s", CHOSEN, "structure_findings.HIGH_DROP"),),
+        (Threshold(10.0, "m", "contact laws are measured at some m/s", CHOSEN, "structure_findings.HIGH_DROP"),),
     ),
     Entry(
         "fast-body",
@@ -309,7 +317,7 @@ IMPACT: Final = (
         LIMITS,
         "a body is faster than the threshold at the start",
         "Check the unit, which may be mm/s.",
-        (Limit(50.0, "m/s", "contact laws are measured at some m/s", CHOSEN, "structure_findings.FAST"),),
+        (Threshold(50.0, "m/s", "contact laws are measured at some m/s", CHOSEN, "structure_findings.FAST"),),
     ),
     Entry(
         "failed",
@@ -340,7 +348,7 @@ SOURCES: Final = (
         "the mobility is given by magnitudes, and the phases of a passive source leave more than the threshold open",
         "Give the complex mobility: 'mobility: {lines: FILE}'. EN 15657 and EN 12354-5 use magnitudes, as is done.",
         (
-            Limit(
+            Threshold(
                 1.0,
                 "dB between the least and the largest power of a band",
                 "less is within what measurements of sources repeat",
@@ -365,7 +373,7 @@ SOURCES: Final = (
         "Quote the rated levels; sound files, L_AFmax and histories are louder by what the covering takes off. To "
         "compute them with the covering, give it as a contact law or as a layer of the model.",
         (
-            Limit(
+            Threshold(
                 1.0,
                 "dB less force of the hammers than on a rigid floor: up to it a floor is heavy, beyond it light",
                 "a reduction is a ratio of forces on a floor of far lower mobility than a hammer",
@@ -382,7 +390,7 @@ SOURCES: Final = (
         "floor by more than the threshold",
         "Record the force on this floor, or quote differences between floors of alike mobility.",
         (
-            Limit(
+            Threshold(
                 1.0,
                 "dB of the force",
                 "less is within what two steps differ by",
@@ -422,7 +430,7 @@ STUDY: Final = (
         "what all change, in the contact forces too, and what the rebound of a force with force-beyond-modes changes",
         "Do not quote the numbers with '?'. Compute more modes.",
         (
-            Limit(
+            Threshold(
                 0.05, "% of the number", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"
             ),
         ),
@@ -435,7 +443,7 @@ STUDY: Final = (
         "Compute modes up to the threshold or more. Where nothing excites vibration above the last mode, the numbers "
         "hold.",
         (
-            Limit(
+            Threshold(
                 80.0,
                 "Hz",
                 "upper end of the range that ISO 2631 and DIN 4150-2 judge",

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Threshold
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Findings on damping: none at all, loss factors by frequency, unused, counted twice.
 # ----------------------------------------------------------------------------------------------------------------------
 
-_UNDAMPED: Final = Limit(
+_UNDAMPED: Final = Threshold(
     5e-5,
     "damping ratio",
     "a loss factor of 1e-4: metals alone have 1e-4 or more, structures more",
@@ -37,7 +37,7 @@ LOSSES: Final = (
         "first impact holds without damping; what follows it, its spectra and levels do not.",
         (
             _UNDAMPED,
-            Limit(
+            Threshold(
                 10.0,
                 "periods",
                 "with a ratio of 1 % the motion has halved by then",
@@ -55,14 +55,16 @@ LOSSES: Final = (
         "lowest divided by it",
         "Give loss factors for all bands of the study, or accept the value of the nearest frequency.",
         (
-            Limit(
+            Threshold(
                 2.0**0.5,
                 "ratio to the highest or lowest frequency",
                 "half an octave",
                 CHOSEN,
                 "damping.BEYOND",
             ),
-            Limit(0.01, "% of a mode's elastic energy", "a part with less hardly damps it", CHOSEN, "damping.STRAINED"),
+            Threshold(
+                0.01, "% of a mode's elastic energy", "a part with less hardly damps it", CHOSEN, "damping.STRAINED"
+            ),
         ),
     ),
     Entry(
@@ -72,14 +74,14 @@ LOSSES: Final = (
         "by strain energy, the loss factor that is not used would raise that of a mode by more than both thresholds",
         "Write damping: {from: materials} and a loss factor for each material, or remove the one that is not used.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "of the mode's loss factor",
                 "0.8 dB at a resonance, 0.4 dB in a band",
                 "20 lg 1.1, 10 lg 1.1",
                 "damping.UNUSED",
             ),
-            Limit(1e-4, "loss factor", "no mode notices it", CHOSEN, "damping.UNUSED_LEAST"),
+            Threshold(1e-4, "loss factor", "no mode notices it", CHOSEN, "damping.UNUSED_LEAST"),
         ),
     ),
     Entry(
@@ -91,7 +93,7 @@ LOSSES: Final = (
         "lowest modes compare with direct responses, `femstruct frf --method direct`, which are exact at every line. "
         "Walls are taken at normal incidence: modes with several half waves along an edge lose less.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "loss factor",
                 "third octaves of a strip were 0.6 dB off at a loss factor of 0.23, and 1.5 dB at 0.36",
@@ -110,7 +112,7 @@ LOSSES: Final = (
         "Give the part the internal loss factor of its material (0.5 to 1 % for concrete), or keep the total one and "
         "remove the losses at the edges from the model. A total cannot be divided into its parts.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "of the loss factor at 100 Hz",
                 "by radiation to one side with an efficiency of one; less is within what such numbers scatter",
@@ -126,7 +128,7 @@ LOSSES: Final = (
         "'ISO 12354-1 laboratory', internal loss factor + m' / (485 sqrt f), is used for a mass per "
         "area m' above the threshold",
         "Use measured reverberation times, or the internal loss factor with edges that are modelled.",
-        (Limit(800.0, "kg/m^2", "the range of the formula", "ISO 12354-1, annex C", "loss_findings.HEAVIEST"),),
+        (Threshold(800.0, "kg/m^2", "the range of the formula", "ISO 12354-1, annex C", "loss_findings.HEAVIEST"),),
     ),
 )
 
@@ -148,7 +150,7 @@ MODES: Final = (
         "Nothing, where the ribs bend with the plate, as in the first modes of a floor. Where modes of the plate "
         "between ribs count, use plates or solids for ribs.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "of a frequency",
                 "the bound; ribs that turn leave a third of it",
@@ -171,14 +173,14 @@ MODES: Final = (
         "a wavelength spans fewer cells or bars than the element needs",
         "Use cells or bars of the stated length.",
         (
-            Limit(
+            Threshold(
                 6.0,
                 "cells a bending wavelength",
                 "frequencies of bfs16 and acm12 are right to about 1 %",
                 CHOSEN,
                 "wave_findings.CELLS_PER_WAVE",
             ),
-            Limit(
+            Threshold(
                 8.0,
                 "cells a bending wavelength of shells",
                 "frequencies of linear cells are 2.6 % too high along their sides and 1.7 % too low along their "
@@ -186,21 +188,21 @@ MODES: Final = (
                 "tests/analytic/test_elements_shells.py",
                 "wave_findings.CELLS",
             ),
-            Limit(
+            Threshold(
                 16.0,
                 "linear cells a wavelength of solids",
                 "bending frequencies of hex8 are 2 % too high",
                 "tests/analytic/test_solid_meshes.py",
                 "wave_findings.LINEAR",
             ),
-            Limit(
+            Threshold(
                 8.0,
                 "quadratic cells a wavelength of solids",
                 "bending frequencies of hex20 are 1.5 % too high",
                 "tests/analytic/test_solid_meshes.py",
                 "wave_findings.QUADRATIC",
             ),
-            Limit(
+            Threshold(
                 2.0,
                 "cells a bending wavelength",
                 "below, the mesh cannot represent the wave",
@@ -208,14 +210,14 @@ MODES: Final = (
                 "wave_findings.NO_WAVE",
                 forbids=True,
             ),
-            Limit(
+            Threshold(
                 4.0,
                 "bars a wavelength, cubic interpolation",
                 "frequencies are right to 0.4 %",
                 "tests/analytic/test_frame_waves.py",
                 "wave_findings.CUBIC",
             ),
-            Limit(
+            Threshold(
                 13.0,
                 "bars a wavelength, linear interpolation",
                 "frequencies are right to 1 %",
@@ -232,14 +234,14 @@ MODES: Final = (
         "the estimated error of the first frequency, for shear and rotary inertia, is more than the threshold",
         "Use 'type: slab', which shears. Or correct the first frequency by the error; higher ones are further off.",
         (
-            Limit(
+            Threshold(
                 0.005,
                 "% of the first frequency",
                 "less is below the error of a mesh",
                 _MINDLIN,
                 "wave_findings.NOTABLE_SHEAR",
             ),
-            Limit(
+            Threshold(
                 0.5,
                 "% of the first frequency",
                 "it is no longer a plate",
@@ -258,14 +260,14 @@ MODES: Final = (
         "deflection",
         "Use 'type: slab' or 'shell', whose elements shear, or ask for modes up to the stated frequency only.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "% of the deflection",
                 "without shear a frequency is 5 % too high",
                 "waves in layers, tests/analytic/test_laminates.py",
                 "wave_findings.SHEARED",
             ),
-            Limit(
+            Threshold(
                 1.0 / 6.0,
                 "% of the deflection",
                 "a frequency is 10 % too high",
@@ -283,10 +285,10 @@ MODES: Final = (
         "the part is a 'type: plate', and the two loss factors at 100 Hz differ by more than both thresholds",
         "Use 'type: slab' or 'shell': each layer loses there by its own share of stretching, bending and shear.",
         (
-            Limit(
+            Threshold(
                 0.01, "difference of the loss factors", "damping is rarely known better", CHOSEN, "loss_findings.APART"
             ),
-            Limit(
+            Threshold(
                 1.5,
                 "ratio of the loss factors",
                 "3.5 dB at a resonance, 1.8 dB in a band, if all is shear",
@@ -310,7 +312,7 @@ MODES: Final = (
         "the bending wavelength is shorter than a number of thicknesses",
         "Read the highest bands as a lower bound (the message states the missing level), or use 'type: slab'.",
         (
-            Limit(
+            Threshold(
                 10.0,
                 "thicknesses, bending wavelength",
                 "shear shortens waves of a frequency by about 3 %, and lowers a mode of this wavelength by more "
@@ -340,7 +342,7 @@ MODES: Final = (
         REMARK,
         "the effective modal mass in a direction is less than the threshold share of the whole",
         "Ask for more modes, if the motion in that direction is of interest. Mass where supports fix it is in no mode.",
-        (Limit(0.9, "% of the mass", "usual in response analysis by modes", CHOSEN, "reduction._CAPTURED"),),
+        (Threshold(0.9, "% of the mass", "usual in response analysis by modes", CHOSEN, "reduction._CAPTURED"),),
     ),
     *LOSSES,
     Entry(
@@ -350,7 +352,7 @@ MODES: Final = (
         "no mode of the case reaches the MAC below with a baseline mode that has damping of its own",
         "Give the case its own 'damping'.",
         (
-            Limit(
+            Threshold(
                 0.5,
                 "MAC (likeness of two shapes, 0 to 1)",
                 "below, the shapes are more different than similar",
@@ -373,7 +375,7 @@ MODES: Final = (
         "the largest value between lines is above the largest on a line",
         "Use a smaller 'step' ('--step'). Sweeps and designs have the largest value itself, not that of a line.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "of the largest value",
                 "the peak of an oscillator is 5 % too low where its nearest line is a sixth of its half-power "
@@ -403,7 +405,11 @@ MODES: Final = (
         LIMITS,
         "residual vectors change the peak by more than the threshold",
         "Do not quote the peak. Use 'peaks: {lowpass: F}' with F below the last mode.",
-        (Limit(0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"),),
+        (
+            Threshold(
+                0.05, "% of the peak", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CONVERGED"
+            ),
+        ),
     ),
     Entry(
         "pressure-cut-off",
@@ -412,7 +418,7 @@ MODES: Final = (
         "its peak is another one by more than the threshold if there were silence after the window. What follows the "
         "window is computed for motions and forces; for pressures it is not",
         "Do not quote the peak. Simulate longer, until the room is quiet.",
-        (Limit(0.01, "% of the peak", "less is not seen in decibels", CHOSEN, "recorded_channels.CUT_OFF"),),
+        (Threshold(0.01, "% of the peak", "less is not seen in decibels", CHOSEN, "recorded_channels.CUT_OFF"),),
     ),
     Entry(
         "fatigue-coarsely-sampled",
@@ -420,7 +426,7 @@ MODES: Final = (
         LIMITS,
         "the largest sample is below the peak by more than the threshold share",
         "Raise 'time: sampling'.",
-        (Limit(0.02, "% of the peak", "6 % of the damage with a slope of 3", CHOSEN, "recorded_channels.MISSED"),),
+        (Threshold(0.02, "% of the peak", "6 % of the damage with a slope of 3", CHOSEN, "recorded_channels.MISSED"),),
     ),
     Entry(
         "damage-not-converged",
@@ -431,7 +437,7 @@ MODES: Final = (
         "Do not quote the damage. Compute more modes, and a finer mesh where the stress is uneven. The low-pass of "
         "'peaks' filters peaks, not what is counted.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "% of the largest range",
                 "with a slope of 3, 14 % of the damage",
@@ -447,7 +453,7 @@ MODES: Final = (
         "'fatigue' has an S-N line and 'under'",
         "Where it matters, simulate a history with this spectrum as a load and count its cycles.",
         (
-            Limit(
+            Threshold(
                 0.2,
                 "% of the damage",
                 "Dirlik's damage is too low by up to this, for a spectrum with peaks far apart and a slope of 5",
@@ -462,7 +468,11 @@ MODES: Final = (
         LIMITS,
         "the change with and without residual vectors differs by more than the threshold",
         "Do not quote the change. Use 'peaks: {lowpass: F}' with F below the last mode.",
-        (Limit(5.0, "percentage points", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CHANGED"),),
+        (
+            Threshold(
+                5.0, "percentage points", "more changes a figure that is quoted", CHOSEN, "recorded_channels.CHANGED"
+            ),
+        ),
     ),
 )
 
@@ -479,8 +489,8 @@ FITS: Final = (
         "the rms of the residuals is more than the threshold share of that of the measured history",
         "Try another contact law, '--delay', or a start nearer to the minimum.",
         (
-            Limit(0.05, "% of the measured rms", "a good fit leaves less", CHOSEN, "fit.POOR"),
-            Limit(
+            Threshold(0.05, "% of the measured rms", "a good fit leaves less", CHOSEN, "fit.POOR"),
+            Threshold(
                 0.2,
                 "% of it, if correlated",
                 "the law is another one",
@@ -498,7 +508,7 @@ FITS: Final = (
         "the correlation of neighbouring residuals is more than that of white noise",
         "Widen the intervals by the stated factor, or try another contact law.",
         (
-            Limit(
+            Threshold(
                 4.0,
                 "standard deviations of the correlation of white noise",
                 "chance exceeds it once in 31 000",
@@ -520,7 +530,7 @@ FITS: Final = (
         LIMITS,
         "half the confidence interval is more than the threshold share of the value",
         "Fix the parameter, or measure a quantity that depends on it.",
-        (Limit(0.5, "% of the value", "not even the first digit is known", CHOSEN, "fit.OPEN"),),
+        (Threshold(0.5, "% of the value", "not even the first digit is known", CHOSEN, "fit.OPEN"),),
     ),
     Entry(
         "fit-beyond-scatter",
@@ -530,14 +540,14 @@ FITS: Final = (
         "State a scatter that holds mounting and repetition, too; remove data of another state; free what is wrong in "
         "the model; give frequencies a column 'mode', as one may be missing among them.",
         (
-            Limit(
+            Threshold(
                 4.0,
                 "standard deviations of chi-squared",
                 "chance hardly exceeds it",
                 "normal distribution",
                 "fit.EXCEEDED",
             ),
-            Limit(5.0, "times the scatter", "the model is another one", CHOSEN, "fit.FAR", forbids=True),
+            Threshold(5.0, "times the scatter", "the model is another one", CHOSEN, "fit.FAR", forbids=True),
         ),
         forbids="the residuals are more than 5 times the scatter",
     ),
@@ -550,7 +560,7 @@ FITS: Final = (
         "Use what is determined, fix one of the parameters at a known value, or measure what distinguishes them: the "
         "mass, another mode, a force.",
         (
-            Limit(
+            Threshold(
                 0.5,
                 "% along the combination",
                 "not even the first digit is known",
@@ -572,7 +582,7 @@ FITS: Final = (
         LIMITS,
         "the largest MAC, among near-equal frequencies that with their space, is less than the threshold",
         "Start nearer to the data, look at 'femstruct mac', or remove the mode from the file.",
-        (Limit(0.6, "MAC", "the same mode shares more than half of its motion", CHOSEN, "measured_data.LIKE"),),
+        (Threshold(0.6, "MAC", "the same mode shares more than half of its motion", CHOSEN, "measured_data.LIKE"),),
     ),
     Entry(
         "mode-pair-swapped",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from femstruct.findings.entry import CHOSEN, LIMITS, REMARK, Entry, Limit
+from femstruct.findings.entry import CHOSEN, LIMITS, REMARK, Entry, Threshold
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Findings on levels, ratings, and the standard sources that they are for.
@@ -17,7 +17,7 @@ LEVELS: Final = (
         LIMITS,
         "a third-octave filter needs longer than the record to decay by 60 dB",
         "Simulate longer, unless the sound begins and ends within the record.",
-        (Limit(60.0, "dB of decay", "the usual measure of reverberation", "IEC 61260-1 filters, order 4", ""),),
+        (Threshold(60.0, "dB of decay", "the usual measure of reverberation", "IEC 61260-1 filters, order 4", ""),),
     ),
     Entry(
         "rating-beyond-modes",
@@ -36,7 +36,7 @@ LEVELS: Final = (
         "all surfaces together have less than the threshold share of the speed of the structure: what they have are "
         "rounding errors, of which levels near -185 dB would be made",
         "Join what moves the room to what is struck, or leave the room out of this case.",
-        (Limit(1e-8, "of the speed of the structure", "160 dB", CHOSEN, "femstruct.sound.surfaces.STILL"),),
+        (Threshold(1e-8, "of the speed of the structure", "160 dB", CHOSEN, "femstruct.sound.surfaces.STILL"),),
     ),
     Entry(
         "band-of-one-room",
@@ -45,7 +45,7 @@ LEVELS: Final = (
         "a rated band is outside the 90 % interval of rooms with sides within 5 % and of other places",
         "Use the mean over rooms and places, and its interval.",
         (
-            Limit(
+            Threshold(
                 1.0,
                 "dB beyond the interval",
                 "one band of ten is outside by itself",
@@ -63,14 +63,14 @@ LEVELS: Final = (
         "times the centre of a third octave, 1.76 times that of an octave",
         "Give 'modes: {up_to: F}' where a single floor matters; 'beyond_modes: blank' leaves these bands blank.",
         (
-            Limit(
+            Threshold(
                 1.0,
                 "modes in a band: with fewer the band is blank",
                 "with fewer its level is that of one mode beside it, or of none",
                 CHOSEN,
                 "statistical.FEWEST",
             ),
-            Limit(
+            Threshold(
                 4.0,
                 "modes in a band: with fewer its level scatters more than the statistics state",
                 "ensembles of floors have the statistical mean from there on",
@@ -86,7 +86,7 @@ LEVELS: Final = (
         "the mean difference in bands that both have exceeds 1 dB and twice its standard deviation by scatter",
         "Check the mesh, the loss factor and the reverberation time; use few bands beyond the modes.",
         (
-            Limit(
+            Threshold(
                 1.0,
                 "dB that the mean may always be",
                 "edges and corners are in no infinite plate; 0.3 and 0.1 dB are seen",
@@ -102,7 +102,7 @@ LEVELS: Final = (
         "a rated room has fewer positions than the standard of measurement",
         "Add positions; compare cases meanwhile, not absolute numbers.",
         (
-            Limit(
+            Threshold(
                 4.0,
                 "source positions, and microphones",
                 "the standard asks for four or more",
@@ -118,7 +118,7 @@ LEVELS: Final = (
         "a receiver of a room with 'levels' is nearer to the plane of a surface that moves than the threshold",
         "Move the microphone into the room. At a hard wall the mean square is twice that of the room.",
         (
-            Limit(
+            Threshold(
                 0.5,
                 "m",
                 "least distance of a microphone from the boundaries of the room",
@@ -143,8 +143,8 @@ LEVELS: Final = (
         "a rated room is smaller or larger than the standard allows",
         "Quote levels of the bands, not the single number.",
         (
-            Limit(10.0, "m^3 at least", "scope of the standard", "ISO 16283-2", ""),
-            Limit(250.0, "m^3 at most", "scope of the standard", "ISO 16283-2", ""),
+            Threshold(10.0, "m^3 at least", "scope of the standard", "ISO 16283-2", ""),
+            Threshold(250.0, "m^3 at most", "scope of the standard", "ISO 16283-2", ""),
         ),
     ),
     Entry(
@@ -161,7 +161,7 @@ LEVELS: Final = (
         "a tapping machine is rated by single blows and the sound decays by too little between them",
         "Give the study the stated duration.",
         (
-            Limit(
+            Threshold(
                 40.0,
                 "dB of decay between blows",
                 "levels are then right to 0.1 dB",
@@ -177,7 +177,7 @@ LEVELS: Final = (
         "the level at the beginning of the average is too low by more than the threshold",
         "Give the machine more blows, and the time for them.",
         (
-            Limit(
+            Threshold(
                 0.2,
                 "dB below the steady level",
                 "less than the digits of a rating",
@@ -195,11 +195,11 @@ LEVELS: Final = (
         "the tolerances that the standard has on a rigid floor",
         "Nothing, if the floor is soft. On a stiff floor check the sampling and the contact law.",
         (
-            Limit(1.0, "dB, octave at 31.5 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
-            Limit(1.5, "dB, octaves at 63 and 125 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
-            Limit(2.0, "dB, octaves at 250 and 500 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
-            Limit(0.1, "of restitution, from 0.8", "tolerance of the standard", "ISO 16283-2 annex A", ""),
-            Limit(0.002, "s of contact time, from 0.02 s", "tolerance of the standard", "ISO 16283-2 annex A", ""),
+            Threshold(1.0, "dB, octave at 31.5 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+            Threshold(1.5, "dB, octaves at 63 and 125 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+            Threshold(2.0, "dB, octaves at 250 and 500 Hz", "tolerance of the standard", "ISO 16283-2 table A.1", ""),
+            Threshold(0.1, "of restitution, from 0.8", "tolerance of the standard", "ISO 16283-2 annex A", ""),
+            Threshold(0.002, "s of contact time, from 0.02 s", "tolerance of the standard", "ISO 16283-2 annex A", ""),
         ),
     ),
     Entry(
@@ -209,7 +209,7 @@ LEVELS: Final = (
         "a dropped standard source is sampled below the threshold",
         "Sample faster.",
         (
-            Limit(
+            Threshold(
                 1600.0,
                 "Hz",
                 "the octave at 500 Hz needs it",
@@ -233,8 +233,8 @@ LEVELS: Final = (
         "two neighbouring hammers are further from the standard spacing than allowed",
         "Use five positions for each position of the machine.",
         (
-            Limit(0.1, "m apart", "the standard's spacing", "ISO 10140-5 annex E", "impact_findings.HAMMERS_APART"),
-            Limit(
+            Threshold(0.1, "m apart", "the standard's spacing", "ISO 10140-5 annex E", "impact_findings.HAMMERS_APART"),
+            Threshold(
                 0.003,
                 "m of tolerance",
                 "the tolerance of the standard",
@@ -272,7 +272,7 @@ ROOMS: Final = (
         "the stiffness of the air is more than the threshold share of that of a mode",
         "Use 'coupling: two-way', or quote differences between cases only.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "% of the stiffness of a mode",
                 "the frequency rises by more than 5 %",
@@ -287,7 +287,7 @@ ROOMS: Final = (
         REMARK,
         "a room has two surfaces or more, and less than the threshold share of one of its walls moves",
         "Give walls that matter parts and surfaces of their own; flanking is never more complete than the model.",
-        (Limit(0.95, "of each wall moves", "what is left is edges", CHOSEN, "study_findings.COVERED"),),
+        (Threshold(0.95, "of each wall moves", "what is left is edges", CHOSEN, "study_findings.COVERED"),),
     ),
     Entry(
         "one-way-resonance",
@@ -296,7 +296,7 @@ ROOMS: Final = (
         "coupling is one-way and kappa, the coupling of a floor mode and a room mode over their damping, is large",
         "Use 'coupling: two-way'.",
         (
-            Limit(
+            Threshold(
                 0.12,
                 "kappa",
                 "0.5 dB in a band, 1 dB at a line",
@@ -312,14 +312,14 @@ ROOMS: Final = (
         "both lie within half the sum of their bandwidths, with similar shapes on the ceiling, in a rated room",
         "Vary the stiffness or the size of the room by a few per cent and report the scatter.",
         (
-            Limit(
+            Threshold(
                 0.3,
                 "correlation of the two shapes",
                 "one drives the other",
                 CHOSEN,
                 "rated_rooms.MIN_SHAPE_CORRELATION",
             ),
-            Limit(
+            Threshold(
                 0.1, "of the largest motion of the ceiling", "other modes do not matter", CHOSEN, "rated_rooms.MOVES"
             ),
         ),
@@ -337,7 +337,7 @@ ROOMS: Final = (
         LIMITS,
         "the room modes that are coupled end below the frequency asked for",
         "Ask for a lower frequency, or read the highest bands as those of one-way coupling.",
-        (Limit(300.0, "coupled room modes at most", "each costs as much as a mode", CHOSEN, "box_coupling.MOST"),),
+        (Threshold(300.0, "coupled room modes at most", "each costs as much as a mode", CHOSEN, "box_coupling.MOST"),),
     ),
     Entry(
         "two-way-absorption",
@@ -346,7 +346,7 @@ ROOMS: Final = (
         "the walls couple two room modes, or absorb uniform pressure, by more than the threshold",
         "Use one-way coupling as well, and compare.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "of the distance of two frequencies, and of a loss factor",
                 "modes are then not damped one by one",
@@ -362,7 +362,7 @@ ROOMS: Final = (
         "the absorption depends on frequency and couples two modes by more than the threshold",
         "Read single room modes with care; third octaves are less affected.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "of the distance of two frequencies",
                 "complex modes would be needed",
@@ -377,7 +377,11 @@ ROOMS: Final = (
         LIMITS,
         "a body ends at rest and the air adds more than the threshold to the static stiffness",
         "Give the room a 'leak', or do not quote the position at rest.",
-        (Limit(0.05, "% of the weight", "less does not change a sag visibly", CHOSEN, "coupled_air.CARRIED_BY_AIR"),),
+        (
+            Threshold(
+                0.05, "% of the weight", "less does not change a sag visibly", CHOSEN, "coupled_air.CARRIED_BY_AIR"
+            ),
+        ),
     ),
     Entry(
         "room-modes-missing",
@@ -393,7 +397,7 @@ ROOMS: Final = (
         "the wavelength at the highest frequency spans fewer cells than needed",
         "Use a finer mesh.",
         (
-            Limit(
+            Threshold(
                 6.0,
                 "cells a wavelength, second order",
                 "frequencies are right to 0.1 %",
@@ -410,7 +414,7 @@ ROOMS: Final = (
         "than the threshold to the sampling",
         "Sample at the stated frequency.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "dB, at 5.5 samples a period",
                 "levels are quoted to one decimal; at 7.5 samples it is 0.05 dB",
@@ -425,7 +429,11 @@ ROOMS: Final = (
         LIMITS,
         "the velocity at t = 0 is more than the threshold share of its peak",
         "Start from rest, or start the blow a little later.",
-        (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.rooms.room_advice.DECAYED"),),
+        (
+            Threshold(
+                1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.rooms.room_advice.DECAYED"
+            ),
+        ),
     ),
     Entry(
         "surface-not-decayed",
@@ -433,7 +441,11 @@ ROOMS: Final = (
         LIMITS,
         "the velocity in the last 5 % of the record is more than the threshold share of its peak",
         "Simulate longer. Largest Fast levels of a single blow are hardly affected.",
-        (Limit(1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.rooms.room_advice.DECAYED"),),
+        (
+            Threshold(
+                1e-3, "of the peak velocity", "60 dB below the peak", CHOSEN, "acoustics.rooms.room_advice.DECAYED"
+            ),
+        ),
     ),
     Entry(
         "ceiling-points-coarse",
@@ -441,7 +453,11 @@ ROOMS: Final = (
         LIMITS,
         "the quadrature error of the highest cosine is more than the threshold",
         "Use a finer mesh of the slab.",
-        (Limit(0.05, "quadrature error", "0.4 dB of that cosine", "20 lg 1.05", "acoustics.rooms.room_advice.COARSE"),),
+        (
+            Threshold(
+                0.05, "quadrature error", "0.4 dB of that cosine", "20 lg 1.05", "acoustics.rooms.room_advice.COARSE"
+            ),
+        ),
     ),
     Entry(
         "orders-truncated",
@@ -450,7 +466,7 @@ ROOMS: Final = (
         "the last block of cosines adds more than the threshold share of the rms pressure",
         "Place the receiver further from the ceiling. In Python, give 'pressure' more orders.",
         (
-            Limit(
+            Threshold(
                 1e-3, "of the rms pressure", "less than 0.01 dB", "20 lg 1.001", "acoustics.rooms.room_advice.TRUNCATED"
             ),
         ),
@@ -469,7 +485,7 @@ ROOMS: Final = (
         "a reverberation time of a band is missed by more than the threshold",
         "Use absorbing walls with values by band, or ask for times that fall smoothly with frequency.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "% of a reverberation time",
                 "0.4 dB of a standardised level",
@@ -495,7 +511,7 @@ OPEN_AIR: Final = (
         "the wavelength in air at the highest frequency spans fewer points than needed",
         "Use a finer mesh.",
         (
-            Limit(
+            Threshold(
                 6.0,
                 "points a wavelength in air",
                 "each point is then small beside the wave",
@@ -511,7 +527,7 @@ OPEN_AIR: Final = (
         "a receiver is nearer than some point distances",
         "Place the receiver further away, or use a finer mesh.",
         (
-            Limit(
+            Threshold(
                 2.0,
                 "point distances",
                 "nearer, single points matter in the sum for Rayleigh's integral",
@@ -533,7 +549,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "the share of the sound energy above the last mode, plain or A-weighted, is too large",
         "Ask for more modes.",
-        (Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),),
+        (Threshold(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),),
     ),
     Entry(
         "sound-energy-not-taken",
@@ -542,7 +558,7 @@ OPEN_AIR: Final = (
         "the sound energy is more than the threshold share of what the structure lost in its own damping",
         "Increase the loss factor by this share, or read the levels as upper bounds.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "% of the losses",
                 "amplitudes would decay 10 % faster, and levels be 0.4 dB lower in a band",
@@ -557,7 +573,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "the last tenth of the record has more than the threshold share of the sound energy",
         "Simulate longer.",
-        (Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),),
+        (Threshold(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),),
     ),
     Entry(
         "sound-energy-points-coarse",
@@ -566,8 +582,8 @@ OPEN_AIR: Final = (
         "the share of the sound energy above 6 points a wavelength is too large",
         "Use a finer mesh.",
         (
-            Limit(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),
-            Limit(
+            Threshold(0.01, "% of the sound energy", _ONE_PER_CENT, "10 lg 1.01", "sound_energy.SHARE_ALLOWED"),
+            Threshold(
                 3.0,
                 "points a wavelength, counted at all",
                 "below, the sum over points is not valid",
@@ -582,7 +598,7 @@ OPEN_AIR: Final = (
         LIMITS,
         "the velocity squared at the start is more than the threshold share of the mean square",
         "Start from rest. The energy of the click grows with the sampling.",
-        (Limit(0.01, "% of the mean square", _ONE_PER_CENT, "10 lg 1.01", "sound_energy._JUMP"),),
+        (Threshold(0.01, "% of the mean square", _ONE_PER_CENT, "10 lg 1.01", "sound_energy._JUMP"),),
     ),
     Entry(
         "own-sound-left-out",
@@ -605,7 +621,7 @@ OPEN_AIR: Final = (
         "the body moves during contact by more than the threshold share of its radius",
         "Do not quote its own sound more exactly than to a few decibels.",
         (
-            Limit(
+            Threshold(
                 0.1,
                 "% of the radius",
                 "1 dB, since its sound is proportional to the height of its centre above the surface",
@@ -621,8 +637,8 @@ OPEN_AIR: Final = (
         "more than the threshold share of the energy of the push lies near half the sampling frequency or above",
         "Sample faster.",
         (
-            Limit(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),
-            Limit(
+            Threshold(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),
+            Threshold(
                 0.8,
                 "of half the sampling frequency, from there on",
                 "spectra are faded out",
@@ -638,8 +654,8 @@ OPEN_AIR: Final = (
         "more than the threshold share of the energy of the push lies above the last computed frequency",
         "Read the highest bands of its own sound as lower bounds.",
         (
-            Limit(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),
-            Limit(24.0, "wavelengths, circumference", "multipoles end there", CHOSEN, "sphere.HIGHEST_KA"),
+            Threshold(1e-3, "% of the energy of the acceleration", "less is not audible", CHOSEN, "sphere.UNSAMPLED"),
+            Threshold(24.0, "wavelengths, circumference", "multipoles end there", CHOSEN, "sphere.HIGHEST_KA"),
         ),
     ),
     Entry(
@@ -649,7 +665,7 @@ OPEN_AIR: Final = (
         "the distance of two centres is less than some sums of the radii",
         "Read their own sound to 1 dB at low and 8 dB at high frequencies.",
         (
-            Limit(
+            Threshold(
                 10.0,
                 "sums of the radii",
                 "scattered sound is then at most 10 %",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import radians
 from typing import Final
 
-from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Limit
+from femstruct.findings.entry import CHOSEN, FORBIDS, LIMITS, REMARK, Entry, Threshold
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Findings on values that no material, section or thickness has.
@@ -22,17 +22,17 @@ PLAUSIBILITY: Final = (
         "sqrt(E / rho) or rho lies outside the range of all solids",
         _UNITS,
         (
-            Limit(2.0, "m/s, slowest sqrt(E / rho)", "gelatine has 3 m/s", _ASHBY, "plausibility.SLOWEST"),
-            Limit(20e3, "m/s, fastest sqrt(E / rho)", "diamond has 18 km/s", _ASHBY, "plausibility.FASTEST"),
-            Limit(
+            Threshold(2.0, "m/s, slowest sqrt(E / rho)", "gelatine has 3 m/s", _ASHBY, "plausibility.SLOWEST"),
+            Threshold(20e3, "m/s, fastest sqrt(E / rho)", "diamond has 18 km/s", _ASHBY, "plausibility.FASTEST"),
+            Threshold(
                 300.0,
                 "m/s, slowest of what is denser than 1100 kg/m^3 and has a Poisson ratio below 0.4",
                 "PTFE has 430 m/s; only rubbers and loose soils have less",
                 _ASHBY,
                 "plausibility.SLOWEST_HARD",
             ),
-            Limit(1.0, "kg/m^3, lightest solid", "aerogels have 3 kg/m^3", CHOSEN, "plausibility.LIGHTEST"),
-            Limit(23e3, "kg/m^3, densest solid", "osmium has 22 590 kg/m^3", CHOSEN, "materials.DENSEST"),
+            Threshold(1.0, "kg/m^3, lightest solid", "aerogels have 3 kg/m^3", CHOSEN, "plausibility.LIGHTEST"),
+            Threshold(23e3, "kg/m^3, densest solid", "osmium has 22 590 kg/m^3", CHOSEN, "materials.DENSEST"),
         ),
     ),
     Entry(
@@ -48,7 +48,7 @@ PLAUSIBILITY: Final = (
         FORBIDS,
         "the thickness is less than the threshold share of the shorter side",
         f"{_UNITS} A real foil is held by its tension, which plates do not have here.",
-        (Limit(1e-4, "of the shorter side", "sheet of 0.5 mm over 5 m", CHOSEN, "plausibility.THINNEST"),),
+        (Threshold(1e-4, "of the shorter side", "sheet of 0.5 mm over 5 m", CHOSEN, "plausibility.THINNEST"),),
     ),
     Entry(
         "implausible-stiffness",
@@ -57,7 +57,7 @@ PLAUSIBILITY: Final = (
         "the sag over the shorter side, simply supported, is more than the threshold share of that side",
         "Check E, the density, the thickness and the size.",
         (
-            Limit(
+            Threshold(
                 0.05,
                 "% of the shorter side",
                 "floors sag by 0.1 %, thin sheets by 2 %",
@@ -73,9 +73,13 @@ PLAUSIBILITY: Final = (
         "the loss factor of a stiff material, or the damping ratio of every mode, is at the threshold or above",
         "Check the unit: a plain number is a ratio, 1 is 100 %. Write 1 %.",
         (
-            Limit(0.5, "loss factor of a material", "asphalt has 0.4", CHOSEN, "plausibility.LOSSY"),
-            Limit(1e9, "Pa, E of it", "rubbers and foams are softer and may lose more", CHOSEN, "plausibility.STIFF"),
-            Limit(0.25, "damping ratio of every mode", "earth dams reach it", CHOSEN, "structure_findings.OVERDAMPED"),
+            Threshold(0.5, "loss factor of a material", "asphalt has 0.4", CHOSEN, "plausibility.LOSSY"),
+            Threshold(
+                1e9, "Pa, E of it", "rubbers and foams are softer and may lose more", CHOSEN, "plausibility.STIFF"
+            ),
+            Threshold(
+                0.25, "damping ratio of every mode", "earth dams reach it", CHOSEN, "structure_findings.OVERDAMPED"
+            ),
         ),
     ),
     Entry(
@@ -85,13 +89,13 @@ PLAUSIBILITY: Final = (
         "the section is too thick or too slender for its line, or I / A^2 has no possible value",
         "Check the units: plain numbers are m, m^2 and m^4.",
         (
-            Limit(10.0, "line lengths, side of a section", "stubs reach 5", CHOSEN, "plausibility.THICKEST_BAR"),
-            Limit(2.0, "line lengths, side above 1 m", "piers reach 1", CHOSEN, "plausibility.THICKEST_LARGE"),
-            Limit(
+            Threshold(10.0, "line lengths, side of a section", "stubs reach 5", CHOSEN, "plausibility.THICKEST_BAR"),
+            Threshold(2.0, "line lengths, side above 1 m", "piers reach 1", CHOSEN, "plausibility.THICKEST_LARGE"),
+            Threshold(
                 3e4, "radii of gyration, a straight piece", "wire of 4 mm over 30 m", CHOSEN, "plausibility.LONGEST_BAR"
             ),
-            Limit(1e-5, "of A^2, least second moment", "a strip of 1:8000", CHOSEN, "plausibility.PROPORTIONS[0]"),
-            Limit(1e2, "of A^2, largest", "a tube with a wall of 1:1000", CHOSEN, "plausibility.PROPORTIONS[1]"),
+            Threshold(1e-5, "of A^2, least second moment", "a strip of 1:8000", CHOSEN, "plausibility.PROPORTIONS[0]"),
+            Threshold(1e2, "of A^2, largest", "a tube with a wall of 1:1000", CHOSEN, "plausibility.PROPORTIONS[1]"),
         ),
     ),
     Entry(
@@ -101,8 +105,10 @@ PLAUSIBILITY: Final = (
         "mass over volume lies outside the thresholds",
         "Check the mass and the size; a weight in newtons is not a mass.",
         (
-            Limit(5.0, "kg/m^3, lightest", "a rigid body of less is a balloon", CHOSEN, "plausibility.LIGHTEST_BLOCK"),
-            Limit(23e3, "kg/m^3, densest", "osmium has 22 590 kg/m^3", CHOSEN, "materials.DENSEST"),
+            Threshold(
+                5.0, "kg/m^3, lightest", "a rigid body of less is a balloon", CHOSEN, "plausibility.LIGHTEST_BLOCK"
+            ),
+            Threshold(23e3, "kg/m^3, densest", "osmium has 22 590 kg/m^3", CHOSEN, "materials.DENSEST"),
         ),
     ),
     Entry(
@@ -113,7 +119,7 @@ PLAUSIBILITY: Final = (
         "Give each place its own opposite ('between' of two points with as many places), or leave out the second end "
         "for springs to the ground. Props and ties may be as long as they are along their stiffness.",
         (
-            Limit(
+            Threshold(
                 0.2,
                 "% of the size of the structure",
                 "isolators and hangers are shorter",
@@ -138,7 +144,7 @@ STRUCTURE: Final = (
         LIMITS,
         "equations of a constraint add nothing to those of joints, supports and the constraints before it",
         "Remove what is said twice. Motions and frequencies are right; the force of the constraint is one of many.",
-        (Limit(1e-9, "of an equation", "positions of joined nodes agree to 1e-12", CHOSEN, "ties.RANK"),),
+        (Threshold(1e-9, "of an equation", "positions of joined nodes agree to 1e-12", CHOSEN, "ties.RANK"),),
     ),
     Entry(
         "constraint-holds",
@@ -155,7 +161,7 @@ STRUCTURE: Final = (
         "the highest frequency looked at is more than the threshold share of that of the modes that were kept",
         "Reduce the part anew with modes up to twice the highest frequency: femstruct reduce --up-to.",
         (
-            Limit(
+            Threshold(
                 0.75,
                 "of the highest frequency of the modes kept",
                 "a floor of two parts erred by 2e-6 at 0.67 of it, by 3e-4 at 0.86",
@@ -172,7 +178,7 @@ STRUCTURE: Final = (
         "Forces of supports inside of the matrices are not recorded. Export or reduce the part without its supports, "
         "and write them in the model that it becomes a part of.",
         (
-            Limit(
+            Threshold(
                 1e-4,
                 "of the energy that the diagonal of K alone would have",
                 "free parts have 1e-15",
@@ -190,14 +196,14 @@ STRUCTURE: Final = (
         "Write the rows of the table of nodes in the order of the rows of the matrices. Check places and directions, "
         "and that the matrices are those of the whole part, without supports or springs to the ground.",
         (
-            Limit(
+            Threshold(
                 1e-3,
                 "of the largest of the three masses",
                 "matrices in files of few digits agree to 1e-6",
                 CHOSEN,
                 "substructure.UNEVEN",
             ),
-            Limit(
+            Threshold(
                 1e-4,
                 "of the energy that the diagonal of K alone would have",
                 "two nodes in each other's place have 1e-3 to 6e-2, free parts 1e-15",
@@ -230,7 +236,7 @@ STRUCTURE: Final = (
         "Add a joint, or remove the part. Bars beside a plate have their lines in it, 'offsets' to where they are, and "
         "a joint.",
         (
-            Limit(
+            Threshold(
                 1.01,
                 "of half the depth of a bar and half the thickness of a plate",
                 "a bar nearer than that touches it",
@@ -276,7 +282,7 @@ STRUCTURE: Final = (
         "Take more of them or stronger ones: beyond this load rubber is stiffer than its entry says. Hangers at edges "
         "and below stiff joists carry more than the mean.",
         (
-            Limit(
+            Threshold(
                 1.0,
                 "times the largest load of the entry",
                 "its stiffness is that up to this load",
@@ -299,7 +305,7 @@ STRUCTURE: Final = (
         "the mass of a part is many times that of all others",
         "Check the units, or replace the heavy part by a support.",
         (
-            Limit(
+            Threshold(
                 1e6, "times the mass of the rest", "such a mass acts as ground", CHOSEN, "connection_findings.DOMINATES"
             ),
         ),
@@ -312,8 +318,10 @@ STRUCTURE: Final = (
         "cells of two meshes have one middle",
         "Move one part. The origin of a plate is on its mid-surface.",
         (
-            Limit(0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "connection_findings.REACHES"),
-            Limit(
+            Threshold(
+                0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "connection_findings.REACHES"
+            ),
+            Threshold(
                 0.5,
                 "of the thinner part",
                 "most of it counts twice",
@@ -345,7 +353,7 @@ STRUCTURE: Final = (
         REMARK,
         "a layer 'whole' fills less than the whole side of the smaller part",
         "Check the positions of both parts.",
-        (Limit(0.999, "of the side", "less is more than rounding", CHOSEN, "connection_findings.WHOLE"),),
+        (Threshold(0.999, "of the side", "less is more than rounding", CHOSEN, "connection_findings.WHOLE"),),
     ),
     Entry(
         "eccentric-bars",
@@ -354,8 +362,10 @@ STRUCTURE: Final = (
         "a frequency of the rib with its strip of plate is too high by more than the threshold",
         "Use 'in_plane: elastic' and the element bfs16.",
         (
-            Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "foundation.NOTABLE"),
-            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "rib_findings.SEVERE", forbids=True),
+            Threshold(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "foundation.NOTABLE"),
+            Threshold(
+                1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "rib_findings.SEVERE", forbids=True
+            ),
         ),
         forbids="the frequency is more than 1 % too high",
     ),
@@ -367,7 +377,7 @@ STRUCTURE: Final = (
         "Use 'simple' or 'roller' edges, or let a clamped end slide along the ribs, as 'fix: [y, z, rx, ry, rz]' for "
         "ribs along x; nothing where the supports are as stiff as rock along the ribs. On a set or box of a slab or "
         "shell 'simple' holds x, y and z of every node: write the directions, such as [y, z] at one of the two ends.",
-        (Limit(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "rib_findings.ARCH_NOTABLE"),),
+        (Threshold(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "rib_findings.ARCH_NOTABLE"),),
     ),
     Entry(
         "joint-springs-by-node",
@@ -426,8 +436,10 @@ STRUCTURE: Final = (
         "a frequency is too high by more than the threshold, because the plates are rigid in their own planes",
         "Use 'in_plane: elastic' and the element bfs16.",
         (
-            Limit(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "foundation.NOTABLE"),
-            Limit(1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "rib_findings.SEVERE", forbids=True),
+            Threshold(1e-3, "of a frequency", "less is below other errors", _SOLIDS, "foundation.NOTABLE"),
+            Threshold(
+                1e-2, "of a frequency", "the usual error of a mesh", _SOLIDS, "rib_findings.SEVERE", forbids=True
+            ),
         ),
         forbids="the frequency is more than 1 % too high",
     ),
@@ -438,7 +450,7 @@ STRUCTURE: Final = (
         "modes are asked for up to the threshold share of the first in-plane frequency of the folded plates",
         "Use 'in_plane: elastic' and the element bfs16, or ask for modes below the stated frequency only.",
         (
-            Limit(
+            Threshold(
                 0.5,
                 "of the first in-plane frequency",
                 "from there on modes are some per cent too high",
@@ -462,7 +474,7 @@ STRUCTURE: Final = (
         LIMITS,
         "a part sags by more than the threshold share of the size of the structure; in studies without gravity, too",
         "Check the units of springs, layers and moduli, unless they are soft on purpose.",
-        (Limit(0.1, "% of the size", "springs are not built so soft", CHOSEN, "structure_findings.FAR"),),
+        (Threshold(0.1, "% of the size", "springs are not built so soft", CHOSEN, "structure_findings.FAR"),),
     ),
     Entry(
         "leaning-block",
@@ -470,7 +482,7 @@ STRUCTURE: Final = (
         REMARK,
         "the tilt at rest is more than machines are levelled to",
         "Move the springs, or the block.",
-        (Limit(1e-3, "rad", "machines are levelled to 0.1 to 1 mm a metre", CHOSEN, "check.LEVEL"),),
+        (Threshold(1e-3, "rad", "machines are levelled to 0.1 to 1 mm a metre", CHOSEN, "check.LEVEL"),),
     ),
 )
 
@@ -489,13 +501,17 @@ MESHES: Final = (
         "the size of the mesh, its mass, or a typical side of a cell over the thickness lies outside the thresholds",
         "Give the unit of length of the file: 'scale: mm'. Where the size is right, check the thickness.",
         (
-            Limit(200.0, "m, size of a part", "a large building", CHOSEN, "flat_cells.LARGEST"),
-            Limit(2e-3, "m, least size of a solid", "a chip", CHOSEN, "flat_cells.SMALLEST"),
-            Limit(1e7, "kg of a solid", "a block of concrete of 16 m a side", CHOSEN, "flat_cells.HEAVIEST"),
-            Limit(5e3, "kg/m^2, thickness from the file", "2 m of concrete", CHOSEN, "flat_cells.HEAVIEST_SHELL"),
-            Limit(2e4, "kg of stated masses per size^3", "metal all through has 22600", CHOSEN, "attachments.HEAVIEST"),
-            Limit(200.0, "times the thickness", "sheet of 0.5 mm in 50 mm cells has 100", CHOSEN, "flat_cells.WIDEST"),
-            Limit(0.05, "times, least", "a wall of 200 mm in 20 mm cells has 0.1", CHOSEN, "flat_cells.NARROWEST"),
+            Threshold(200.0, "m, size of a part", "a large building", CHOSEN, "flat_cells.LARGEST"),
+            Threshold(2e-3, "m, least size of a solid", "a chip", CHOSEN, "flat_cells.SMALLEST"),
+            Threshold(1e7, "kg of a solid", "a block of concrete of 16 m a side", CHOSEN, "flat_cells.HEAVIEST"),
+            Threshold(5e3, "kg/m^2, thickness from the file", "2 m of concrete", CHOSEN, "flat_cells.HEAVIEST_SHELL"),
+            Threshold(
+                2e4, "kg of stated masses per size^3", "metal all through has 22600", CHOSEN, "attachments.HEAVIEST"
+            ),
+            Threshold(
+                200.0, "times the thickness", "sheet of 0.5 mm in 50 mm cells has 100", CHOSEN, "flat_cells.WIDEST"
+            ),
+            Threshold(0.05, "times, least", "a wall of 200 mm in 20 mm cells has 0.1", CHOSEN, "flat_cells.NARROWEST"),
         ),
     ),
     Entry(
@@ -505,13 +521,13 @@ MESHES: Final = (
         "an angle, the warp or the aspect of a cell is beyond a threshold",
         "Mesh the places that the message names more evenly. A few such cells away from what matters do no harm.",
         (
-            Limit(radians(30.0), "rad, sharpest of a quadrilateral", _FIVE, _MEASURED, "quality.SHARPEST"),
-            Limit(radians(150.0), "rad, bluntest of a quadrilateral", _FIVE, _MEASURED, "quality.BLUNTEST[4]"),
-            Limit(
+            Threshold(radians(30.0), "rad, sharpest of a quadrilateral", _FIVE, _MEASURED, "quality.SHARPEST"),
+            Threshold(radians(150.0), "rad, bluntest of a quadrilateral", _FIVE, _MEASURED, "quality.BLUNTEST[4]"),
+            Threshold(
                 radians(120.0), "rad, bluntest of a triangle", "a beam is 7 % stiff", _MEASURED, "quality.BLUNTEST[3]"
             ),
-            Limit(radians(20.0), "rad, warp", "a twisted strip errs by 1 %", _MEASURED, "quality.MOST_WARPED"),
-            Limit(20.0, "aspect, longest side squared over area", "16 lost nothing", _MEASURED, "quality.LONGEST"),
+            Threshold(radians(20.0), "rad, warp", "a twisted strip errs by 1 %", _MEASURED, "quality.MOST_WARPED"),
+            Threshold(20.0, "aspect, longest side squared over area", "16 lost nothing", _MEASURED, "quality.LONGEST"),
         ),
     ),
     Entry(
@@ -527,7 +543,7 @@ MESHES: Final = (
         LIMITS,
         "nodes of a part are nearer to each other than the threshold share of its size",
         "Merge equal nodes in the program that makes the mesh. Nothing, where the gap is meant.",
-        (Limit(1e-6, "of the size of the mesh", "coordinates have six digits or more", CHOSEN, "flat_cells.SEAM"),),
+        (Threshold(1e-6, "of the size of the mesh", "coordinates have six digits or more", CHOSEN, "flat_cells.SEAM"),),
     ),
     Entry(
         "mesh-states-more",
@@ -550,7 +566,7 @@ MESHES: Final = (
         "a part has a thickness, offset, orientation, layers or constants of its material of its own, and the file has "
         "others",
         "Nothing, where the model is meant. Otherwise take the key out of the part, or write what the file has.",
-        (Limit(0.01, "% of a modulus or a density", "steels differ by less", CHOSEN, "unused.DIFFERS"),),
+        (Threshold(0.01, "% of a modulus or a density", "steels differ by less", CHOSEN, "unused.DIFFERS"),),
     ),
     Entry(
         "mesh-without-effect",
@@ -600,7 +616,7 @@ CAVITIES: Final = (
         "Ask for fewer modes of the structure, give the cavity 'up_to: F' with the frequency that is needed, or "
         "name its 'bays' where joists close it.",
         (
-            Limit(
+            Threshold(
                 0.7,
                 "of the frequency that is needed",
                 "motions of a ceiling of 4 x 3 m at the top of the band are wrong by 3 %",
@@ -617,14 +633,14 @@ CAVITIES: Final = (
         "Check its unit; beyond the range the drag is right at low frequencies, its change with frequency is not known "
         "to be.",
         (
-            Limit(
+            Threshold(
                 5e3,
                 "Pa*s/m^2 at least",
                 "within 6.5 % of Johnson-Champoux-Allard from there, 20 Hz to 1 kHz",
                 "tests/analytic/test_cavity_wool.py",
                 "cavities.LEAST",
             ),
-            Limit(30e3, "Pa*s/m^2 at most", "the same", "tests/analytic/test_cavity_wool.py", "cavities.MOST"),
+            Threshold(30e3, "Pa*s/m^2 at most", "the same", "tests/analytic/test_cavity_wool.py", "cavities.MOST"),
         ),
     ),
     Entry(
@@ -633,7 +649,7 @@ CAVITIES: Final = (
         LIMITS,
         "the fill has 'frame: held', and its drag on a movement of all of the structure is more than the threshold",
         "Use 'frame: limp', but for wool that something at rest holds.",
-        (Limit(0.5, "1/s", "a loss factor of 1 % at 16 Hz", CHOSEN, "femstruct.sound.cavity_coupling.HELD"),),
+        (Threshold(0.5, "1/s", "a loss factor of 1 % at 16 Hz", CHOSEN, "femstruct.sound.cavity_coupling.HELD"),),
     ),
     Entry(
         "cavity-sizes-differ",
@@ -641,7 +657,7 @@ CAVITIES: Final = (
         LIMITS,
         "a side of what they share is shorter than the longer of the two by more than the threshold",
         "Give the surfaces a 'region' of one size.",
-        (Limit(0.01, "% of a side", "a hundredth of the volume", CHOSEN, "cavity_coupling.SAME"),),
+        (Threshold(0.01, "% of a side", "a hundredth of the volume", CHOSEN, "cavity_coupling.SAME"),),
     ),
     Entry(
         "cavity-depth",
@@ -649,7 +665,7 @@ CAVITIES: Final = (
         LIMITS,
         "they differ by more than the threshold, from face to face",
         "Correct the depth, or the place of the parts.",
-        (Limit(0.2, "% of the distance", "10 % of a frequency on the air", CHOSEN, "cavity_coupling.DEPTH"),),
+        (Threshold(0.2, "% of the distance", "10 % of a frequency on the air", CHOSEN, "cavity_coupling.DEPTH"),),
     ),
     Entry(
         "cavity-crossed",
@@ -658,8 +674,12 @@ CAVITIES: Final = (
         "bars lie between the surfaces of a cavity without 'bays', level with them, away from its sides",
         "Name the bays; leave it where the bars do not close the cavity.",
         (
-            Limit(0.02, "% of a side", "nearer to a side they close the cavity", CHOSEN, "structure_findings.WITHIN"),
-            Limit(0.5, "% of the depth", "joists reach beyond the mesh of a plate", CHOSEN, "structure_findings.DEEP"),
+            Threshold(
+                0.02, "% of a side", "nearer to a side they close the cavity", CHOSEN, "structure_findings.WITHIN"
+            ),
+            Threshold(
+                0.5, "% of the depth", "joists reach beyond the mesh of a plate", CHOSEN, "structure_findings.DEEP"
+            ),
         ),
     ),
     Entry(
@@ -670,6 +690,6 @@ CAVITIES: Final = (
         "it than half its 'width' and the threshold",
         "Check 'across', the axis along which the places are counted, across the joists, and 'at', from the corner of "
         "the cavity. Leave it where the joists are no frames of the model.",
-        (Limit(0.02, "% of a side", "a tenth of a usual bay", CHOSEN, "structure_findings.WITHIN"),),
+        (Threshold(0.02, "% of a side", "a tenth of a usual bay", CHOSEN, "structure_findings.WITHIN"),),
     ),
 )

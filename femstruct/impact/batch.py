@@ -15,7 +15,7 @@ from femstruct.errors import Finding
 from femstruct.impact.batch_march import RESIDUAL, SEPARATED, STATUS, STEPS, Fleet, Variation, run_some, variation
 from femstruct.impact.blow_by_blow import (
     NOT_TRUSTED,
-    Measured,
+    JudgedRun,
     drifts,
     left_out_finding,
     lifted_finding,
@@ -135,7 +135,7 @@ class Batch:
         outcome, scene = self.outcome[i], self.scene(i)
         assert outcome is not None
         closed = {name: float(since[i]) for name, since in self.closed_since.items() if not np.isnan(since[i])}
-        run = Measured(
+        run = JudgedRun(
             float(self.residual[i]),
             outcome,
             self.clock.duration,

@@ -18,7 +18,7 @@ from femstruct.arrays import Floats, Integers, frozen
 from femstruct.compiled.kernels import Counts, Cube, Matrix, Vector, kernel, unit
 from femstruct.compiled.records import ManyInterfaces, ManyLoads, ManyStrikes, Records, System
 from femstruct.errors import InputError
-from femstruct.impact.collocation import ERROR_BUDGET, Room, march, march_room
+from femstruct.impact.collocation import ERROR_BUDGET, Workspace, march, march_room
 from femstruct.impact.contact_events import (
     CLOSES,
     DONE,
@@ -28,7 +28,7 @@ from femstruct.impact.contact_events import (
     ROWS,
     SINCE,
     WORKED,
-    Record,
+    RunRecord,
     lies,
     room_for,
 )
@@ -191,7 +191,7 @@ def columns(interfaces: int, bodies: int, ledger: int) -> Columns:
     return Columns(*(int(start) for start in np.cumsum(sizes)))
 
 
-class Shared(NamedTuple):
+class SharedTables(NamedTuple):
     """What all runs share. start [2, k] of the modes; waits [b] : 1 for a body that is at rest until its first blow;
     entries [r, b] of the bodies in the rows and over [o, n] of what struck bodies are placed on, for unit masses;
     struck [o] : which bodies; weight : the first row of the bodies' weight, and all rows from there on; gravity
@@ -234,7 +234,7 @@ class Marches(NamedTuple):
     top_level: int
     tolerance: float
     rule: Rule
-    room: Room
+    room: Workspace
     exact_rule: ExactRule
     exact_room: ExactRoom
 
@@ -247,7 +247,7 @@ class Out(NamedTuple):
 
 
 @unit(seconds=3.0)
-def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches: Marches, record: Record,
+def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, marches: Marches, record: RunRecord,
              state: State, at: Columns, out: Out) -> int:  # fmt: skip
     """Fill a row of metrics [c, width] for each run. frame, tables : what of them
     depends on a run is this call's own."""
@@ -295,7 +295,7 @@ def run_many(frame: System, shared: Shared, tables: Tables, runs: Runs, marches:
 
 
 @kernel
-def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
+def _weigh(frame: System, shared: SharedTables, tables: Tables, mass: Floats) -> None:
     """The rows, and all of the tables that depends on them, for these masses."""
     k, r, rows = frame.n_modes, len(frame.rows), frame.rows
     modes, unit = shared.modes, shared.mass
@@ -333,7 +333,7 @@ def _weigh(frame: System, shared: Shared, tables: Tables, mass: Floats) -> None:
 
 
 @kernel
-def _weigh_rows(frame: System, shared: Shared, mass: Floats) -> None:
+def _weigh_rows(frame: System, shared: SharedTables, mass: Floats) -> None:
     """The rows, and what of the system depends on them."""
     k, rows = frame.n_modes, frame.rows
     for a in range(len(rows)):
@@ -353,7 +353,7 @@ def _weigh_rows(frame: System, shared: Shared, mass: Floats) -> None:
 
 
 @kernel
-def _measure(system: System, state: State, record: Record, status: int, events: int, last: Floats, mass: Floats,
+def _measure(system: System, state: State, record: RunRecord, status: int, events: int, last: Floats, mass: Floats,
              gravity: float, quiet: float, at: Columns, row: Floats) -> None:  # fmt: skip
     """One row of metrics; a run that failed has its status and steps only."""
     m, k, log, times = len(system.interfaces), system.n_modes, record.events, record.event_rows[:, TIME]
@@ -433,7 +433,7 @@ class Fleet:
     varied: Variation
     clock: Clock
     compiled: Compiled
-    shared: Shared
+    shared: SharedTables
     tables: Tables
     exact: bool
     top_level: int
@@ -474,7 +474,7 @@ class Fleet:
             mobility=np.ones(1),
             turn=np.zeros((0, 0, 0)),
         )
-        shared = Shared(
+        shared = SharedTables(
             start=compiled.start[:, :k].copy(),
             waits=np.array([body.name in waiting for body in scene.bodies], dtype=np.int64),
             entries=entries,

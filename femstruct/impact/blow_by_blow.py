@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.contact_events import ENERGY, HELD, MOMENTUM, SINCE, Record, lies
+from femstruct.impact.contact_events import ENERGY, HELD, MOMENTUM, SINCE, RunRecord, lies
 from femstruct.impact.motion import Motion, modal_motions
 from femstruct.impact.response import Blow, Event, Outcome
 from femstruct.impact.scene import Blows, Clock, Contact, Scene
@@ -21,7 +21,7 @@ AT_REST = 1e-2  # share of the largest energy after a blow that counts as rest
 
 
 def blow_table(
-    record: Record,
+    record: RunRecord,
     motion: Motion,
     omega: Floats,
     compiled: Compiled,
@@ -164,7 +164,7 @@ NOT_DECAYED = 1e-2  # of the structure's largest energy
 
 
 @dataclass(frozen=True)
-class Measured:
+class JudgedRun:
     """What a run is judged by: the residual of its ledger, its outcome, its window [s] and the resolution of its events
     [s], zero for an exact march; of contacts, since when those that are closed at the end are [s], the largest
     indentation [m], and how long the shortest closing lasted [s], infinite where none ended."""
@@ -178,7 +178,7 @@ class Measured:
     lasting: Mapping[str, float]
 
 
-def run_findings(contacts: Sequence[Contact], run: Measured) -> tuple[Finding, ...]:
+def run_findings(contacts: Sequence[Contact], run: JudgedRun) -> tuple[Finding, ...]:
     """What the numbers of a run say against it."""
     found = []
     if drifts(np.float64(run.residual)):

@@ -18,7 +18,7 @@ from femstruct.impact.contact_events import (
     STALLS,
     STEPS,
     TOO_MANY_EVENTS,
-    Record,
+    RunRecord,
     balance_books,
     confirm,
     ended,
@@ -50,8 +50,8 @@ from femstruct.impact.propagation import (
     STAGES,
     Rule,
     State,
+    StepTrial,
     Tables,
-    Trial,
     advance,
     collocation_rule,
     copy_to,
@@ -81,7 +81,7 @@ SAFE, CHANGES, UNCERTAIN, SHARP = 0, 1, 2, 3
 
 
 @kernel
-def strays(level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: Trial,
+def strays(level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: StepTrial,
            out: Floats) -> None:  # fmt: skip
     """Per interface what interpolation can miss of displacement and velocity, and their rounding: out [i, 4]."""
     r = len(system.rows)
@@ -174,7 +174,7 @@ def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
 
 
 @kernel
-def watch(h: float, system: System, state: State, rule: Rule, trial: Trial, bounds: Floats,
+def watch(h: float, system: System, state: State, rule: Rule, trial: StepTrial, bounds: Floats,
           loaded: Floats) -> tuple[int, float]:  # fmt: skip
     """First change of status in a trial step: SAFE, CHANGES or SHARP with the part before it, or UNCERTAIN."""
     values = trial.watched
@@ -240,7 +240,7 @@ def _first(answer: int, part: float, code: int, where: float) -> tuple[int, floa
 
 
 @kernel
-def switch(system: System, state: State, trial: Trial, bounds: Floats, a: int) -> int:
+def switch(system: System, state: State, trial: StepTrial, bounds: Floats, a: int) -> int:
     """Status of contact a at the end of a step of one tick."""
     if state.status[a] == AWAY:
         return AWAY
@@ -274,7 +274,7 @@ REFUSED = -1  # a step whose error is too large, or whose forces were not found
 ERROR, PART = 0, 1  # columns of what is found
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Work space of a march. trial : of its steps, with their work space. lost [m + INTEGRATED] : dissipated by
     interfaces, by modes; work; brought by blows; given to coupled modes. bounds [m, 4] : what interpolation can miss of
     an interface. work [s + 4, n]. loaded, closed_at [m] : whether a contact counts as closed, and since when. place,
@@ -282,7 +282,7 @@ class Room(NamedTuple):
     found [2] : of a trial step: its error over what is allowed, and the part of it before the first change of status.
     """
 
-    trial: Trial
+    trial: StepTrial
     lost: Vector
     bounds: Matrix
     work: Matrix
@@ -293,10 +293,10 @@ class Room(NamedTuple):
     found: Vector
 
 
-def march_room(system: System) -> Room:
+def march_room(system: System) -> Workspace:
     """Work space for marches of a system of this size."""
     n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
-    return Room(
+    return Workspace(
         trial=trial_room(system),
         lost=np.zeros(m + INTEGRATED),
         bounds=np.zeros((m, 4)),
@@ -310,7 +310,7 @@ def march_room(system: System) -> Room:
 
 
 @unit(seconds=6.0)
-def attempt(now: float, level: int, system: System, state: State, rule: Rule, tables: Tables, room: Room,
+def attempt(now: float, level: int, system: System, state: State, rule: Rule, tables: Tables, room: Workspace,
             tolerance: float) -> int:  # fmt: skip
     """Try a step of tick 2^level from now on; what the watch over the contacts says of it, or REFUSED.
 
@@ -339,7 +339,7 @@ OF_TWO = 0.21132486540518713  # of two
 
 
 @kernel
-def gather(t: float, h: float, rule: Rule, trial: Trial, moments: Floats, shares: Floats, spacing: float) -> None:
+def gather(t: float, h: float, rule: Rule, trial: StepTrial, moments: Floats, shares: Floats, spacing: float) -> None:
     """Add what the forces of a step from t to t + h push to moments [r, cells + 2]: the integrals of each force times a
     hat of the spacing's width around each time of the grid [N s]. shares [STAGES] : room."""
     first, last = int(t / spacing), int((t + h) / spacing)
@@ -370,7 +370,7 @@ def gather(t: float, h: float, rule: Rule, trial: Trial, moments: Floats, shares
 
 
 @kernel
-def _look(t: float, h: float, theta: float, weight: float, cell: int, rule: Rule, trial: Trial, moments: Floats,
+def _look(t: float, h: float, theta: float, weight: float, cell: int, rule: Rule, trial: StepTrial, moments: Floats,
           shares: Floats, spacing: float) -> None:  # fmt: skip
     """What one point of a cell adds; theta, weight : of the step."""
     total = 0.0
@@ -402,7 +402,7 @@ ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
 
 
 @unit(seconds=9.0)
-def march(system: System, state: State, rule: Rule, tables: Tables, room: Room, record: Record, halvings: int,
+def march(system: System, state: State, rule: Rule, tables: Tables, room: Workspace, record: RunRecord, halvings: int,
           top_level: int, tolerance: float, max_steps: int, paced: int) -> int:  # fmt: skip
     """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
@@ -600,7 +600,7 @@ def _is_loaded(system: System, state: State, a: int, place: float, rate: float, 
 
 
 @kernel
-def _confirm_step(system: System, state: State, trial: Trial, bounds: Floats, record: Record) -> None:
+def _confirm_step(system: System, state: State, trial: StepTrial, bounds: Floats, record: RunRecord) -> None:
     """Let the events count whose contacts move beyond rounding in this step."""
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] == LINK:
@@ -641,7 +641,7 @@ class Ended(NamedTuple):
     events: int
 
     @staticmethod
-    def of(how: int, record: Record) -> Ended:
+    def of(how: int, record: RunRecord) -> Ended:
         """What a march that returned `how` has noted."""
         when, rows, events = record.ended
         return Ended(how, float(when), int(rows), int(events))
@@ -661,7 +661,7 @@ def state_at_start(compiled: Compiled) -> State:
 
 
 def collocate(
-    compiled: Compiled, tolerance: float, tables: Tables, state: State, record: Record, finer: int = 0
+    compiled: Compiled, tolerance: float, tables: Tables, state: State, record: RunRecord, finer: int = 0
 ) -> Ended:
     """March to the end of the record; state and record are filled on the way.
 

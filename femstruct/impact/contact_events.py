@@ -33,8 +33,8 @@ from femstruct.impact.propagation import (
     STAGES,
     Rule,
     State,
+    StepTrial,
     Tables,
-    Trial,
     copy_to,
     dot,
     law,
@@ -56,7 +56,7 @@ STEPS, TRIALS, DRIFT, WORKED = 0, 1, 2, 3  # columns of Record.totals
 WHEN, ROWS, EVENTS = 0, 1, 2  # and of Record.ended
 
 
-class Record(NamedTuple):
+class RunRecord(NamedTuple):
     """What is kept of a run.
 
     at, doublings [s], z, v [s, n], status [s, m] : the states of the coordinates and interfaces at samples that are
@@ -112,7 +112,7 @@ class Record(NamedTuple):
     ended: Vector
 
 
-def room_for(system: System, n_samples: int) -> Record:
+def room_for(system: System, n_samples: int) -> RunRecord:
     """Empty records of a run; memory is touched only where something is written.
 
     The history takes at most a row a sample while a contact is closed or a load acts, 2048 more, and two a blow.
@@ -121,7 +121,7 @@ def room_for(system: System, n_samples: int) -> Record:
     n, m, width = len(system.omega), len(system.interfaces), ledger_width(system)
     longs, rows = n_samples // 2 + 1, n_samples + 2100 + 2 * blows
     coupled = (rows, system.n_modes) if len(system.turn) else (0, 0)
-    return Record(
+    return RunRecord(
         at=np.empty(n_samples, dtype=np.int64),
         doublings=np.empty(n_samples, dtype=np.int64),
         z=np.empty((n_samples, n)),
@@ -157,7 +157,7 @@ def room_for(system: System, n_samples: int) -> Record:
 
 
 @kernel
-def keep(index: int, doublings: int, state: State, trial: Trial, record: Record) -> None:
+def keep(index: int, doublings: int, state: State, trial: StepTrial, record: RunRecord) -> None:
     """Keep the state at a sample, the start of a step of 2^doublings samples, or of less than two for 0."""
     s, long = record.kept[0], record.kept[1]
     record.at[s], record.doublings[s] = index, doublings
@@ -177,7 +177,7 @@ def keep(index: int, doublings: int, state: State, trial: Trial, record: Record)
 
 
 def motion_of(
-    record: Record, system: System, halvings: int, rule: Rule, tables: Tables, turn: Floats | None = None
+    record: RunRecord, system: System, halvings: int, rule: Rule, tables: Tables, turn: Floats | None = None
 ) -> Motion:
     """The motion that a record holds; turn : of coupled modes, as the motion has it."""
     states, longs = int(record.kept[0]), int(record.kept[1])
@@ -202,7 +202,7 @@ def motion_of(
 
 
 @kernel
-def ended(record: Record, how: int, when: float, rows: int, events: int) -> int:
+def ended(record: RunRecord, how: int, when: float, rows: int, events: int) -> int:
     """Note how a march ended."""
     record.ended[WHEN], record.ended[ROWS], record.ended[EVENTS] = when, rows, events
     return how
@@ -219,7 +219,7 @@ class Felt(NamedTuple):
 
 
 @unit(seconds=1.0)
-def feel(system: System, state: State, halvings: int, record: Record, out: Felt) -> int:
+def feel(system: System, state: State, halvings: int, record: RunRecord, out: Felt) -> int:
     """Fill in the forces at the samples. state : at the end; its status is changed on the way."""
     m, nt = out.place.shape
     for s in range(record.kept[0]):
@@ -240,14 +240,14 @@ def feel(system: System, state: State, halvings: int, record: Record, out: Felt)
 
 
 @kernel
-def peaks_at_start(system: System, state: State, place: Floats, rate: Floats, record: Record) -> None:
+def peaks_at_start(system: System, state: State, place: Floats, rate: Floats, record: RunRecord) -> None:
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] != LINK and state.status[a] == CLOSED:
             record.peak[a, 0] = max(0.0, law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0])
 
 
 @kernel
-def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: Trial, record: Record) -> None:
+def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: StepTrial, record: RunRecord) -> None:
     """Largest force of each contact from the polynomials of the step: bracketed on the nodes, then golden section."""
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] == LINK or state.status[a] != CLOSED:
@@ -293,7 +293,7 @@ def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: T
 
 
 @kernel
-def travels(h: float, system: System, state: State, rule: Rule, trial: Trial, record: Record) -> None:
+def travels(h: float, system: System, state: State, rule: Rule, trial: StepTrial, record: RunRecord) -> None:
     """Largest displacement of each body in the step: at its nodes and end, and at the vertex of the cubic between."""
     for b in range(len(record.travel)):
         i = system.n_modes + b
@@ -362,7 +362,7 @@ def touch(system: System, state: State, a: int, place: float, rate: float, margi
 
 
 @kernel
-def first_strike(system: System, number: int, state: State, record: Record) -> None:
+def first_strike(system: System, number: int, state: State, record: RunRecord) -> None:
     """Book a blow at t = 0: it is the start itself, its energy is that of the start."""
     coordinate = system.strikes[number]["coordinate"]
     record.strikes[number, ENERGY] = 0.5 * state.v[coordinate] ** 2
@@ -374,7 +374,7 @@ def first_strike(system: System, number: int, state: State, record: Record) -> N
 
 @kernel
 def strike(now: float, t: int, number: int, system: System, state: State, place: Floats, rate: Floats, loaded: Floats,
-           closed_at: Floats, lost: Floats, record: Record) -> None:  # fmt: skip
+           closed_at: Floats, lost: Floats, record: RunRecord) -> None:  # fmt: skip
     """Lift a body off and let it strike again; place and rate of all rows are renewed.
 
     Peaks since the last blow go to the record of that blow, and begin again.
@@ -429,7 +429,7 @@ RESOLVED = 1e-12  # of the terms a displacement is summed from: 1e-16 of them a 
 
 
 @kernel
-def log_event(record: Record, count: int, a: int, what: int, counts: int, row: Floats) -> None:
+def log_event(record: RunRecord, count: int, a: int, what: int, counts: int, row: Floats) -> None:
     """Add an event with its ledger row to the log; counts : DOUBTFUL until the contact is seen far enough."""
     record.events[count, 0], record.events[count, 1] = a, what
     record.events[count, 2], record.events[count, 3] = 0, counts
@@ -439,7 +439,7 @@ def log_event(record: Record, count: int, a: int, what: int, counts: int, row: F
 
 
 @kernel
-def confirm(system: System, state: State, a: int, depth: float, speed: float, record: Record) -> bool:
+def confirm(system: System, state: State, a: int, depth: float, speed: float, record: RunRecord) -> bool:
     """Let the newest event of contact a count if its indentation and speed, after it, are beyond rounding: whether so.
 
     A dashpot that would pull opens its contact while it is indented: then its force must be below zero by more.
@@ -461,7 +461,7 @@ def confirm(system: System, state: State, a: int, depth: float, speed: float, re
 
 
 @kernel
-def settle_events(record: Record, count: int, interfaces: int) -> int:
+def settle_events(record: RunRecord, count: int, interfaces: int) -> int:
     """Leave the events that count in the log, closings and openings of a contact in turn; returns their number.
 
     Tells whether all contacts are open after each, whether each contact is closed at the end, and its shortest closing.
@@ -507,7 +507,7 @@ FULL = -1  # in place of a number of events: the log has no room
 
 
 @kernel
-def open_books(system: System, state: State, place: Floats, lost: Floats, record: Record) -> float:
+def open_books(system: System, state: State, place: Floats, lost: Floats, record: RunRecord) -> float:
     """The first ledger row, and no event so far; returns the total that the others are held against."""
     record.closed[:], record.newest[:], record.size[:] = 0.0, -1, 0.0
     if len(system.turn):
@@ -517,7 +517,7 @@ def open_books(system: System, state: State, place: Floats, lost: Floats, record
 
 
 @kernel
-def keep_row(index: int, state: State, record: Record) -> None:
+def keep_row(index: int, state: State, record: RunRecord) -> None:
     """Keep where coupled modes are at a ledger row: their energies are told from there when the run is over."""
     if len(record.rows_z):
         copy_to(record.rows_z[index], state.z[: record.rows_z.shape[1]])
@@ -525,7 +525,7 @@ def keep_row(index: int, state: State, record: Record) -> None:
 
 
 @kernel
-def goes_on(record: Record, max_steps: int) -> int:
+def goes_on(record: RunRecord, max_steps: int) -> int:
     """Count a trial; DONE while there may be one, else why the march ends."""
     if record.totals[TRIALS] >= max_steps:
         return TOO_MANY_STEPS
@@ -535,7 +535,7 @@ def goes_on(record: Record, max_steps: int) -> int:
 
 @kernel
 def balance_books(t: float, initial: float, system: System, state: State, place: Floats, lost: Floats, row: Floats,
-                  record: Record) -> bool:  # fmt: skip
+                  record: RunRecord) -> bool:  # fmt: skip
     """Fill a ledger row, and hold its total against the first one; whether it is a number."""
     m, total = len(system.interfaces), take_stock(t, system, state, place, lost, row)
     if not np.isfinite(total):
@@ -547,7 +547,7 @@ def balance_books(t: float, initial: float, system: System, state: State, place:
 
 @kernel
 def log_changes(moment: float, system: System, state: State, loaded: Floats, row: Floats, n_events: int,
-                record: Record) -> int:  # fmt: skip
+                record: RunRecord) -> int:  # fmt: skip
     """Log the contacts that closed or opened at a moment; returns the number of events, FULL where they are too many.
 
     loaded [m] : whether a contact counts as closed now; row : of the ledger. Openings may be the end of a collision:
@@ -572,7 +572,7 @@ def log_changes(moment: float, system: System, state: State, loaded: Floats, row
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def part_history(compiled: Compiled, record: Record, rows: int) -> None:
+def part_history(compiled: Compiled, record: RunRecord, rows: int) -> None:
     """Part what coupled modes were given, in the first rows of a ledger, into what they have and what they lost.
 
     Notes: what they have is kinetic and elastic energy. What they lost is what they were given less what they would

@@ -5,17 +5,7 @@ from __future__ import annotations
 from femstruct.arrays import Floats
 from femstruct.compiled.kernels import kernel, summing
 from femstruct.compiled.records import LINK, System
-from femstruct.impact.propagation import (
-    AWAY,
-    CLAMPED,
-    CLOSED,
-    OPEN,
-    STAGES,
-    Rule,
-    State,
-    Trial,
-    law,
-)
+from femstruct.impact.propagation import AWAY, CLAMPED, CLOSED, OPEN, STAGES, Rule, State, StepTrial, law
 from femstruct.impact.response import EnergyBalance, EnergyLedger
 from femstruct.impact.scene import Scene
 from femstruct.impact.system import Compiled
@@ -125,7 +115,7 @@ def part_energies(system: System, state: State, row: Floats) -> float:
 
 
 @kernel
-def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: Trial, lost: Floats) -> None:
+def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: StepTrial, lost: Floats) -> None:
     """Add what dashpots took and loads gave over a step, by Gauss quadrature at its nodes."""
     m = len(system.interfaces)
     for a in range(m):
@@ -147,7 +137,7 @@ def integrate_losses(h: float, system: System, state: State, rule: Rule, trial: 
 
 
 @kernel
-def _given(h: float, system: System, state: State, rule: Rule, trial: Trial) -> float:
+def _given(h: float, system: System, state: State, rule: Rule, trial: StepTrial) -> float:
     """Work of all rows on the structure in a step: their forces times their velocities, less those of the bodies.
 
     A body moves by itself: its velocity at a node is the integral of the forces until then.

@@ -19,7 +19,7 @@ from femstruct.impact.contact_events import (
     STEPS,
     STICKS,
     TOO_MANY_EVENTS,
-    Record,
+    RunRecord,
     balance_books,
     confirm,
     ended,
@@ -708,7 +708,7 @@ def _give(system: System, h: float, order: int, rule: ExactRule, room: ExactRoom
 
 @kernel
 def peaks_of_step(system: System, state: State, t: float, h: float, order: int, rule: ExactRule, room: ExactRoom,
-                  record: Record) -> None:  # fmt: skip
+                  record: RunRecord) -> None:  # fmt: skip
     """Raise the largest force and indentation of each closed contact to those in the step."""
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] == LINK or state.status[a] != CLOSED:
@@ -726,7 +726,7 @@ def peaks_of_step(system: System, state: State, t: float, h: float, order: int, 
 
 
 @kernel
-def travels_of_step(system: System, order: int, rule: ExactRule, room: ExactRoom, record: Record) -> None:
+def travels_of_step(system: System, order: int, rule: ExactRule, room: ExactRoom, record: RunRecord) -> None:
     """Raise the largest displacement of each body, either way, to that in the step."""
     path = room.boxes[0]
     for b in range(len(record.travel)):
@@ -768,7 +768,7 @@ def largest(c: Floats, known: float, order: int, rule: ExactRule, slope: Floats)
 
 
 @unit(seconds=11.0)
-def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, record: Record, end: float,
+def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, record: RunRecord, end: float,
                 interval: float, longest: float, max_steps: int) -> int:  # fmt: skip
     """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
@@ -921,7 +921,9 @@ def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
 
 
 @kernel
-def _confirm_step(system: System, state: State, order: int, rule: ExactRule, room: ExactRoom, record: Record) -> None:
+def _confirm_step(
+    system: System, state: State, order: int, rule: ExactRule, room: ExactRoom, record: RunRecord
+) -> None:
     """Let the events count whose contacts move beyond rounding in this step; room.terms has what they are summed from
     at its start."""
     for a in range(len(system.interfaces)):

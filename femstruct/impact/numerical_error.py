@@ -21,7 +21,7 @@ from femstruct.impact.contact_events import (
     DONE,
     MOST_EVENTS,
     TOO_MANY_EVENTS,
-    Record,
+    RunRecord,
     room_for,
     settle_events,
 )
@@ -232,7 +232,7 @@ class _Again:
         return run, events - count if ended[0] == TOO_MANY_EVENTS else 0
 
 
-def _peak(record: Record, rows: Sequence[int]) -> tuple[float, float]:
+def _peak(record: RunRecord, rows: Sequence[int]) -> tuple[float, float]:
     """Of some interfaces, since the last blow or before."""
     found = np.vstack((record.peak[list(rows)], record.strike_peak[:, list(rows)].reshape(-1, 2)))
     force, time = found[found[:, 0].argmax()]

@@ -671,7 +671,7 @@ EXTRAPOLATED = 6.0  # norm of the extrapolation of a force from the nodes to an 
 LONGER = 2e-3  # of the error that is allowed: below it the next step may be longer
 
 
-class Trial(NamedTuple):
+class StepTrial(NamedTuple):
     """A step that was solved and may be kept. place, rate [r, PLACES] : displacement and velocity of the rows at start,
     nodes, end. forces [r, s] : forces at the nodes as they act, less preloads. q : free motion. active [m], slope
     [m, s, 2], jacobian [m s, m s], residual [m s] : of Newton's iteration; derivatives [r, s + 1], watched [PLACES] :
@@ -689,10 +689,10 @@ class Trial(NamedTuple):
     watched: Vector
 
 
-def trial_room(system: System) -> Trial:
+def trial_room(system: System) -> StepTrial:
     """Work space for one trial step."""
     r, m = len(system.rows), len(system.interfaces)
-    return Trial(
+    return StepTrial(
         place=np.zeros((r, PLACES)),
         rate=np.zeros((r, PLACES)),
         forces=np.zeros((r, STAGES)),
@@ -707,7 +707,7 @@ def trial_room(system: System) -> Trial:
 
 
 @kernel
-def try_step(t: float, level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: Trial,
+def try_step(t: float, level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: StepTrial,
              tolerance: float) -> float:  # fmt: skip
     """Solve a step; returns its error over what is allowed, infinite when the forces were not found.
 
@@ -740,7 +740,7 @@ def try_step(t: float, level: int, h: float, system: System, state: State, rule:
 
 
 @kernel
-def _interface_forces(level: int, system: System, state: State, tables: Tables, trial: Trial, count: int) -> bool:
+def _interface_forces(level: int, system: System, state: State, tables: Tables, trial: StepTrial, count: int) -> bool:
     """Newton for the forces of the `count` active interfaces at the nodes; leaves place and rate of all rows."""
     r, size = len(system.rows), count * STAGES
     forced = tables.forced[level]
@@ -801,7 +801,7 @@ def _interface_forces(level: int, system: System, state: State, tables: Tables, 
 
 
 @kernel
-def _lost_in_rounding(h: float, system: System, state: State, trial: Trial, count: int) -> bool:
+def _lost_in_rounding(h: float, system: System, state: State, trial: StepTrial, count: int) -> bool:
     """Whether what Newton's method has left of the forces is no more than their rounding."""
     for i in range(count):
         miss = 0.0
@@ -813,7 +813,7 @@ def _lost_in_rounding(h: float, system: System, state: State, trial: Trial, coun
 
 
 @kernel
-def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> float:
+def _unknown(h: float, system: System, state: State, trial: StepTrial, a: int) -> float:
     """What rounding of displacement, speed and force leaves unknown of the force of an active interface in a step."""
     shift = -state.rest[a] if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["offset"]
     still = abs(shift) + terms_of(system, a, state.z, state.v)
@@ -831,7 +831,7 @@ def _unknown(h: float, system: System, state: State, trial: Trial, a: int) -> fl
 
 
 @kernel
-def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: Trial, tolerance: float) -> float:
+def _error(t: float, h: float, system: System, state: State, rule: Rule, trial: StepTrial, tolerance: float) -> float:
     m = len(system.interfaces)
     worst = 0.0
     for a in range(len(system.rows)):

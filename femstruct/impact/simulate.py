@@ -10,13 +10,13 @@ from typing import Any, Final, TypeVar
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.compiled.kernels import Unit
+from femstruct.compiled.kernels import CompiledUnit
 from femstruct.compiled.store import kept
 from femstruct.declared import expect
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.batch_march import run_many
 from femstruct.impact.blow_by_blow import (
-    Measured,
+    JudgedRun,
     blow_findings,
     blow_table,
     decay_findings,
@@ -35,7 +35,7 @@ from femstruct.impact.contact_events import (
     TOO_MANY_STEPS,
     WORKED,
     Felt,
-    Record,
+    RunRecord,
     feel,
     motion_of,
     part_history,
@@ -101,7 +101,7 @@ def run_aside(call: Callable[[], R], stop: Integers) -> R:
 # Which compiled kernels a simulation needs.
 # ----------------------------------------------------------------------------------------------------------------------
 
-Units = Sequence[Unit[..., Any]]
+Units = Sequence[CompiledUnit[..., Any]]
 
 BY_COLLOCATION: Final[Units] = (march, feel)
 EXACTLY: Final[Units] = (exact_march, feel)
@@ -227,7 +227,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     )
 
 
-def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
+def _exactly(compiled: Compiled, clock: Clock, state: State, record: RunRecord) -> tuple[Ended, Motion]:
     """The march of piecewise-linear systems; its ledger has no fewer than LEDGER_ROWS."""
     system, nt = compiled.system, compiled.n_samples
     end = nt / clock.sampling
@@ -246,7 +246,7 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: Record) -> 
     return Ended.of(how, record), sampled_motion(record.z[:kept].T, record.v[:kept].T, system)
 
 
-def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: Record) -> tuple[Ended, Motion]:
+def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: RunRecord) -> tuple[Ended, Motion]:
     """The march for laws that are not linear."""
     system = compiled.system
     tables = tabulated(system, levels_for(compiled.halvings), collocation_rule())
@@ -286,7 +286,7 @@ def _contact(
     name: str,
     rows: tuple[int, ...],
     compiled: Compiled,
-    record: Record,
+    record: RunRecord,
     place: Floats,
     force: Floats,
     log: tuple[Event, ...],
@@ -307,7 +307,7 @@ def _contact(
 
 
 def _endings(
-    compiled: Compiled, duration: float, log: Sequence[Event], record: Record, bodies: Mapping[str, BodyHistory]
+    compiled: Compiled, duration: float, log: Sequence[Event], record: RunRecord, bodies: Mapping[str, BodyHistory]
 ) -> Endings:
     """What the outcome is told from, of one run."""
     last = {event.contact: event.t for event in log}
@@ -327,12 +327,12 @@ def _findings(
     contacts: Mapping[str, ContactHistory],
     compiled: Compiled,
     scene: Scene,
-    record: Record,
+    record: RunRecord,
     clock: Clock,
     exact: bool,
 ) -> tuple[Finding, ...]:
     rows = compiled.contacts.items()
-    run = Measured(
+    run = JudgedRun(
         residual=book.residual,
         outcome=outcome,
         duration=clock.duration,

@@ -22,7 +22,7 @@ from femstruct.language.places import AnyRegion, RegionSpec, SixDashpots, SixSti
 from femstruct.model import regions
 from femstruct.model.attached import TAKEN
 from femstruct.model.lay_ups import Laminate, Layer, LayUp, Smeared
-from femstruct.model.library import Entry, Use
+from femstruct.model.library import LibraryEntry, Use
 from femstruct.model.library_entries import library
 from femstruct.model.materials import AnyMaterial
 from femstruct.model.part import Part
@@ -544,7 +544,7 @@ class HangersSpec(PartSpec):
     mass: OwnMass = Measured(0.0, None)
 
     @property
-    def entry(self) -> Entry | None:
+    def entry(self) -> LibraryEntry | None:
         """Of the library, that it is like."""
         return library()[self.like] if self.like else None
 

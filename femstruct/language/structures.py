@@ -576,7 +576,7 @@ class DampingSpec(Spec):
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-class ClosedSpec(Spec):
+class ClosedFormSpec(Spec):
     """A structure known in closed form."""
 
     type: str
@@ -595,14 +595,14 @@ class ClosedSpec(Spec):
         )
 
 
-class NoStructureSpec(ClosedSpec):
+class NoStructureSpec(ClosedFormSpec):
     """Only bodies and the ground."""
 
     makes = NoStructure
     type: Literal["none"]
 
 
-class OscillatorSpec(ClosedSpec):
+class OscillatorSpec(ClosedFormSpec):
     """A mass on a spring, by its frequency or its stiffness."""
 
     one_of = (("frequency", "stiffness"),)
@@ -619,7 +619,7 @@ class OscillatorSpec(ClosedSpec):
         here.need(point.at is None and point.on is None, "a place", "{} for a point of an oscillator")
 
 
-class AlongSpec(ClosedSpec):
+class AlongSpec(ClosedFormSpec):
     """What lies along x."""
 
     length: Length
@@ -680,7 +680,7 @@ def _given_point(value: object) -> object:
 GivenPoint = Annotated[GivenPointSpec, read_by(_given_point, list[Component] | GivenPointSpec)]
 
 
-class GivenModesSpec(ClosedSpec):
+class GivenModesSpec(ClosedFormSpec):
     """Given modes: frequencies, damping ratios and mass-normalised shapes at points [1/sqrt(kg)]; a point that is above
     or below another says where, {shape: [..], at: 0.2 m}."""
 

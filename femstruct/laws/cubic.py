@@ -11,7 +11,7 @@ from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import System
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.laws.law import Code, Law, Stored, refuse_negative
+from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative
 from femstruct.tags import stored_as
 
 
@@ -67,8 +67,8 @@ class Cubic(Law):
             raise InputError("cubic law", got="no stiffness", expected="a stiffness, a cubic stiffness, or both")
 
     @property
-    def stored(self) -> Stored:
-        return Stored(self.stiffness, self.dissipation, self.cubic)
+    def stored(self) -> StoredLaw:
+        return StoredLaw(self.stiffness, self.dissipation, self.cubic)
 
     def indentation(self, force: float) -> float:
         """Indentation under a force at rest [m]."""

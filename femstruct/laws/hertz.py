@@ -13,7 +13,7 @@ from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import Records, System
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
+from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative, refuse_unless_positive
 from femstruct.tags import stored_as
 
 
@@ -94,8 +94,8 @@ class Hertz(Law):
         return cls(4.0 / 3.0 * plane / sqrt(curvature))
 
     @property
-    def stored(self) -> Stored:
-        return Stored(self.stiffness, self.damping)
+    def stored(self) -> StoredLaw:
+        return StoredLaw(self.stiffness, self.damping)
 
     def indentation(self, force: float) -> float:
         """Indentation under a force at rest [m]."""

@@ -11,7 +11,7 @@ from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import Records, System
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.laws.law import Code, Law, Stored, refuse_negative, refuse_unless_positive
+from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative, refuse_unless_positive
 from femstruct.laws.restitution import dissipation_for
 from femstruct.tags import stored_as
 
@@ -42,8 +42,8 @@ class PowerLaw(Law):
         """Dissipation factor chi [s/m]."""
 
     @property
-    def stored(self) -> Stored:
-        return Stored(self.stiffness, self.dissipation, self.exponent)
+    def stored(self) -> StoredLaw:
+        return StoredLaw(self.stiffness, self.dissipation, self.exponent)
 
     def indentation(self, force: float) -> float:
         """Indentation under a force at rest [m]."""

@@ -38,7 +38,7 @@ class Code(NamedTuple):
     beside: Kernel | None = None
 
 
-class Stored(NamedTuple):
+class StoredLaw(NamedTuple):
     """Numbers of a law as the engine keeps them: see `System.interfaces`. damping : chi of a factor; rows [p, 6]."""
 
     stiffness: float = 0.0
@@ -74,7 +74,7 @@ class Law(ABC):
 
     @property
     @abstractmethod
-    def stored(self) -> Stored:
+    def stored(self) -> StoredLaw:
         """Its numbers as the engine keeps them."""
 
     @abstractmethod

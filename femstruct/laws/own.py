@@ -15,7 +15,7 @@ from femstruct.compiled.kernels import call_at, kernel
 from femstruct.compiled.records import NUMBERS, System
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
-from femstruct.laws.law import Code, Law, Stored, refuse_unless_positive
+from femstruct.laws.law import Code, Law, StoredLaw, refuse_unless_positive
 from femstruct.tags import stored_as
 
 STEP: Final = 6e-6  # of a depth or a rate, for central differences: the cube root of rounding
@@ -101,14 +101,14 @@ class OwnLaw(Law):
         _check(self)
 
     @property
-    def stored(self) -> Stored:
+    def stored(self) -> StoredLaw:
         from femstruct.compiled.translate import own_code  # numba: of those who need it only
 
         numbers = np.atleast_1d(np.asarray(self.parameters, dtype=np.float64))
         rows = np.zeros((len(numbers) // NUMBERS + 1, NUMBERS))
         rows.flat[: len(numbers)] = numbers
         force, energy = own_code(self.force, True, len(numbers)), own_code(self.energy, False, len(numbers))
-        return Stored(rows=rows, force_at=force.address, energy_at=energy.address)
+        return StoredLaw(rows=rows, force_at=force.address, energy_at=energy.address)
 
     def indentation(self, force: float) -> float:
         """Indentation under a force at rest [m]. Raises InputError beyond the force at the deepest."""

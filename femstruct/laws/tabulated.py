@@ -14,7 +14,7 @@ from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import NUMBERS, System
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
-from femstruct.laws.law import Code, Law, Stored, refuse_negative
+from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative
 from femstruct.tags import stored_as
 
 
@@ -132,8 +132,8 @@ class Tabulated(Law):
         )
 
     @property
-    def stored(self) -> Stored:
-        return Stored(damping=self.dissipation, rows=self.pieces)
+    def stored(self) -> StoredLaw:
+        return StoredLaw(damping=self.dissipation, rows=self.pieces)
 
     def findings(self, contact: str, deepest: float) -> tuple[Finding, ...]:
         last = float(self.indentations[-1])

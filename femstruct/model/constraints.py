@@ -106,7 +106,7 @@ class Average(Constraint):
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class MotionFit:
     """motion [6, 3 p] : that of the point from the shifts of the places. lost [6, l] : what they do not determine of
     it, rotations times the spread of the places."""
 
@@ -114,7 +114,7 @@ class Fit:
     lost: Floats
 
 
-def fitted_motion(places: Floats, weights: Floats) -> Fit | None:
+def fitted_motion(places: Floats, weights: Floats) -> MotionFit | None:
     """The rigid motion at the origin that fits shifts of places [p, 3] best; None where all of them are at one.
 
     Fitted about their middle, where shifts and rotations do not mix, and carried from there on a rigid arm.
@@ -133,7 +133,7 @@ def fitted_motion(places: Floats, weights: Floats) -> Fit | None:
     carried = np.concatenate([arm, np.eye(3, 6, 3)])
     best = carried @ (vectors[:, kept] / values[kept]) @ (weighed @ vectors[:, kept]).T
     best[3:] /= size
-    return Fit(best, carried @ vectors[:, ~kept])
+    return MotionFit(best, carried @ vectors[:, ~kept])
 
 
 def _places(shifts: csr_array, at: Floats, nodes: Floats) -> Floats:

@@ -11,12 +11,12 @@ import numpy as np
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.errors import InputError, some_of
 from femstruct.model.imported_mesh import faces_towards, outwards
-from femstruct.model.part import Body
+from femstruct.model.part import FilledBox
 from femstruct.model.regions import PARALLEL, Box, Region, Touched, region_box
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
+class LayerPlane:
     """The plane that a layer acts in, the part of it that is filled: its middle, or the face that is on the ground.
 
     origin [3] : global place of the coordinates (0, 0) [m]. axes [3, 3] : rows are its two directions and its
@@ -56,7 +56,7 @@ class Filling(Protocol):
     def side(self) -> Touched: ...
 
 
-def layer_of(part: Filling, bodies: Mapping[str, Body], tolerance: float) -> Layer:
+def layer_of(part: Filling, bodies: Mapping[str, FilledBox], tolerance: float) -> LayerPlane:
     """The layer a foundation fills; bodies : of plates, slabs and blocks by name.
 
     Raises InputError for parts that do not exist, are not parallel, do not face or reach into each other, and for a
@@ -72,13 +72,13 @@ def layer_of(part: Filling, bodies: Mapping[str, Body], tolerance: float) -> Lay
     if part.to is None:
         size = (float(body.size[0]), float(body.size[1]))
         box = region_box(f"{where}.region", part.on, size, part.region, tolerance)
-        return Layer(_on_ground(f"{where}.side", part, body), body.axes, box)
+        return LayerPlane(_on_ground(f"{where}.side", part, body), body.axes, box)
     if part.on == part.to:
         raise InputError(f"{where}.between", got=f"'{part.on}' twice", expected="two parts")
     return _between(part, (part.on, body), (part.to, bodies[part.to]), tolerance)
 
 
-def _on_ground(where: str, part: Filling, body: Body) -> Floats:
+def _on_ground(where: str, part: Filling, body: FilledBox) -> Floats:
     """The corner [3] of the face that the ground is on: the lower one, or that of a plate or slab which is named; or of
     the middle between its faces."""
     if body.across is None:
@@ -95,7 +95,7 @@ def _on_ground(where: str, part: Filling, body: Body) -> Floats:
     return np.asarray(body.corner + reached * normal)
 
 
-def _between(part: Filling, one: tuple[str, Body], other: tuple[str, Body], tolerance: float) -> Layer:
+def _between(part: Filling, one: tuple[str, FilledBox], other: tuple[str, FilledBox], tolerance: float) -> LayerPlane:
     where = f"parts.{part.name}.between"
     (first, body), (second, _) = one, other
     corner, axes, size, own = body
@@ -138,10 +138,12 @@ def _between(part: Filling, one: tuple[str, Body], other: tuple[str, Body], tole
             got=f"a region that reaches {beyond:.4g} m beyond {second}",
             expected=f"a region of {first} that faces {second}",
         )
-    return Layer(corner + middle * axes[axis], axes[[*along, axis]], box)
+    return LayerPlane(corner + middle * axes[axis], axes[[*along, axis]], box)
 
 
-def _seen_from(where: str, one: tuple[str, Body], other: tuple[str, Body]) -> tuple[Floats, Floats, int | None]:
+def _seen_from(
+    where: str, one: tuple[str, FilledBox], other: tuple[str, FilledBox]
+) -> tuple[Floats, Floats, int | None]:
     """Lower and upper corner [3] of the second part along the first's axes from its corner [m].
 
     Also the one of these axes that the sides of the second part face along, None for a block, whose sides face along

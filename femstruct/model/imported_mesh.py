@@ -412,7 +412,7 @@ def _refuse_beyond(where: str, rows: Integers, count: int) -> None:
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-class Block(NamedTuple):
+class CellBlock(NamedTuple):
     """Cells of one kind as a file has them: numbers [m], and the numbers of their nodes [m, k]."""
 
     kind: str
@@ -430,7 +430,7 @@ class Gathered(NamedTuple):
 
     nodes: Integers
     points: Floats
-    blocks: Sequence[Block]
+    blocks: Sequence[CellBlock]
     node_sets: Mapping[str, Integers]
     cell_sets: Mapping[str, Integers]
     stated: Stated = Stated()
@@ -476,12 +476,12 @@ def imported(source: str, found: Gathered, scale: float) -> ImportedMesh:
 _LENGTHS: Final = {"area": 2, "volume": 3, "total": 0}  # in the unit of an amount of mass
 
 
-def _by_kind(blocks: Sequence[Block]) -> dict[str, Block]:
-    together: dict[str, list[Block]] = {}
+def _by_kind(blocks: Sequence[CellBlock]) -> dict[str, CellBlock]:
+    together: dict[str, list[CellBlock]] = {}
     for block in blocks:
         together.setdefault(block.kind, []).append(block)
     return {
-        kind: Block(kind, np.concatenate([b.numbers for b in some]), np.concatenate([b.nodes for b in some]))
+        kind: CellBlock(kind, np.concatenate([b.numbers for b in some]), np.concatenate([b.nodes for b in some]))
         for kind, some in together.items()
         if sum(len(b.numbers) for b in some)
     }

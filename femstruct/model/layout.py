@@ -11,7 +11,7 @@ import numpy as np
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import InputError, some_of
 from femstruct.model.attached import Users
-from femstruct.model.part import Body
+from femstruct.model.part import FilledBox
 from femstruct.model.regions import (
     PARALLEL,
     Pair,
@@ -215,7 +215,7 @@ _ROUNDS = 100
 
 
 @dataclass
-class Axis:
+class GridAxis:
     """Grid of a side from 0 to `length`: the required places, and no interval longer than `size` [m].
 
     Places closer than `tolerance` to one already there are the same place. In the stretches `given` the nodes are those
@@ -272,7 +272,7 @@ class SharedLine:
     target: Track
 
 
-def settle(axes: dict[Key, Axis], lines: list[SharedLine]) -> dict[Key, Floats]:
+def settle(axes: dict[Key, GridAxis], lines: list[SharedLine]) -> dict[Key, Floats]:
     """Grids of all axes, after the nodes of shared lines have travelled from axis to axis until nothing changes.
 
     Raises InputError when they do not settle.
@@ -284,7 +284,7 @@ def settle(axes: dict[Key, Axis], lines: list[SharedLine]) -> dict[Key, Floats]:
     raise InputError("mesh", got="grid lines that multiply endlessly", expected="joined parts with compatible grids")
 
 
-def _pass_on(axes: dict[Key, Axis], line: SharedLine) -> bool:
+def _pass_on(axes: dict[Key, GridAxis], line: SharedLine) -> bool:
     source, target = line.source, line.target
     axis = axes[source.key]
     places = axis.grid()
@@ -299,7 +299,7 @@ Grids = Mapping[Key, Floats]
 """Grid lines [n] of every side of a rectangle and every straight piece of bars, from its start [m]."""
 
 
-class Box(Protocol):
+class AlignedBox(Protocol):
     """A box along the global axes that takes along what touches it."""
 
     @property
@@ -345,15 +345,15 @@ class Layout:
         self.axes_of: dict[str, Floats] = {}
         self.segments: dict[str, tuple[Segment, ...]] = {}
         self.vertices: dict[str, Floats] = {}
-        self.boxes: dict[str, Box] = {}
-        self.bodies: dict[str, Body] = {}
+        self.boxes: dict[str, AlignedBox] = {}
+        self.bodies: dict[str, FilledBox] = {}
         self.pulled: set[str] = set()
         self.stretched: frozenset[str] = frozenset()
         self.given: set[str] = set()
         self.taken: Users = ()
         self.covering: dict[str, float] = {}
         self.loaded: list[tuple[str, Floats]] = []
-        self.grids: dict[Key, Axis] = {}
+        self.grids: dict[Key, GridAxis] = {}
         self.shared: list[SharedLine] = []
         self.tied: list[tuple[Key, float, float]] = []
 
@@ -362,14 +362,14 @@ class Layout:
         self.rectangles[part.name] = part
         self.axes_of[part.name] = rectangle_axes(part)
         for direction in (0, 1):
-            self.grids[part.name, direction] = Axis(part.size[direction], largest[direction], self.tolerance)
+            self.grids[part.name, direction] = GridAxis(part.size[direction], largest[direction], self.tolerance)
 
     def add_bars(self, name: str, vertices: Floats, segments: tuple[Segment, ...], largest: float) -> None:
         """A part of bars of at most this length [m] along straight pieces, with nodes at its own points."""
         self.segments[name], self.vertices[name] = segments, vertices
         for segment in segments:
             length = float(np.linalg.norm(segment.end - segment.start))
-            self.grids[segment.key] = Axis(length, largest, self.tolerance)
+            self.grids[segment.key] = GridAxis(length, largest, self.tolerance)
         for vertex in vertices:
             self.on_bars(name, vertex)
 
@@ -449,7 +449,7 @@ def stretch_inside(places: Floats, across: Floats, low: Floats, high: Floats) ->
     return first, last
 
 
-def lines_under(block: Box, plate: Rectangle, axes: Floats) -> Floats:
+def lines_under(block: AlignedBox, plate: Rectangle, axes: Floats) -> Floats:
     """Two places [2, 2] of a plate, in its coordinates, whose grid lines bound what a block covers of it.
 
     Raises InputError for a plate whose sides are not parallel to the block's.

@@ -78,7 +78,7 @@ class Fact:
 
 
 @dataclass(frozen=True)
-class Entry:
+class LibraryEntry:
     """A material or a product. layers : of a lay-up, thicknesses [m] with 0 or 90 degrees, from the lower face up."""
 
     name: str

@@ -15,8 +15,8 @@ from femstruct.model.library import (
     HOPKINS_LAYERS,
     VIGRAN,
     VIGRAN_MODULI,
-    Entry,
     Fact,
+    LibraryEntry,
     Source,
     Use,
     of_hopkins,
@@ -39,9 +39,9 @@ POUND: Final = 4.4482216  # N
 INCH: Final = 0.0254  # m
 
 
-def _hanger(model: str, pounds: float, inches: float) -> Entry:
+def _hanger(model: str, pounds: float, inches: float) -> LibraryEntry:
     load = pounds * POUND
-    return Entry(
+    return LibraryEntry(
         f"hanger {model}",
         "hangers",
         Use.HANGERS,
@@ -57,7 +57,7 @@ CEILING_HANGERS: Final = (
     _hanger("ARH-1-20", 65.0, 5.0 / 16.0),
     _hanger("ARH-1-40", 120.0, 1.0 / 4.0),
     _hanger("ARH-1-70", 200.0, 3.0 / 16.0),
-    Entry(
+    LibraryEntry(
         "stud steel",
         "hangers",
         Use.HANGERS,
@@ -97,10 +97,10 @@ _LAID: Final = {  # thicknesses of the layers [mm], the first along the panel; t
 }
 
 
-def _panel(name: str, layers: tuple[int, ...]) -> Entry:
+def _panel(name: str, layers: tuple[int, ...]) -> LibraryEntry:
     laid = tuple((one / 1e3, 90 * (number % 2)) for number, one in enumerate(layers))
     what = f"{len(layers)} layers of {'-'.join(map(str, layers))} mm, the outer ones along x"
-    return Entry(name, "CLT lay-ups", Use.LAY_UP, what, (Fact("thickness", sum(layers) / 1e3, _PAGE),), laid)
+    return LibraryEntry(name, "CLT lay-ups", Use.LAY_UP, what, (Fact("thickness", sum(layers) / 1e3, _PAGE),), laid)
 
 
 CLT: Final = tuple(_panel(name, layers) for name, layers in _LAID.items())
@@ -121,9 +121,9 @@ _CONCRETE_MODULI: Final = {  # E_cm [GPa]
 }  # fmt: skip
 
 
-def _concrete(strength_class: str, modulus: float) -> Entry:
+def _concrete(strength_class: str, modulus: float) -> LibraryEntry:
     secant = "mean secant modulus E_cm; the dynamic modulus is larger"
-    return Entry(
+    return LibraryEntry(
         f"concrete {strength_class}",
         "concrete",
         Use.MATERIAL,
@@ -139,7 +139,7 @@ def _concrete(strength_class: str, modulus: float) -> Entry:
 
 CONCRETE: Final = (
     *(_concrete(name, modulus) for name, modulus in _CONCRETE_MODULI.items()),
-    Entry(
+    LibraryEntry(
         "concrete cast in situ",
         "concrete",
         Use.MATERIAL,
@@ -158,10 +158,10 @@ def _sheet(name: str) -> Source:
     return Source(f"Getzner Werkstoffe, material data sheet {name}", "read in a public copy at scribd.com or yumpu.com")
 
 
-def _elastomer(name: str, shear_modulus: float, loss_factor: float, pressure: float) -> Entry:
+def _elastomer(name: str, shear_modulus: float, loss_factor: float, pressure: float) -> LibraryEntry:
     sheet = _sheet(name)
     reference = "DIN 53513, depends on frequency, load and amplitude (reference value)"
-    return Entry(
+    return LibraryEntry(
         f"elastomer {name}",
         "elastomers",
         Use.NUMBERS,
@@ -186,35 +186,35 @@ ELASTOMERS: Final = (
 # ----------------------------------------------------------------------------------------------------------------------
 
 GYPSUM: Final = (
-    Entry(
+    LibraryEntry(
         "gypsum board natural",
         "gypsum",
         Use.MATERIAL,
         "plasterboard of natural gypsum",
         of_hopkins(1490.0, 0.3, 860.0, 0.0141, estimated=False),
     ),
-    Entry(
+    LibraryEntry(
         "gypsum board flue gas",
         "gypsum",
         Use.MATERIAL,
         "plasterboard of flue gas gypsum and natural gypsum",
         of_hopkins(1810.0, 0.3, 680.0, 0.0125, estimated=False),
     ),
-    Entry(
+    LibraryEntry(
         "gypsum board glass fibre",
         "gypsum",
         Use.MATERIAL,
         "plasterboard with glass fibre and other additives, as fire boards have",
         of_hopkins(2010.0, 0.3, 800.0, None),
     ),
-    Entry(
+    LibraryEntry(
         "gypsum board stiff",
         "gypsum",
         Use.MATERIAL,
         "plasterboard by the largest modulus that a textbook prints",
         of_vigran(4.1e9, 0.3, (800.0, 900.0), (0.01, 0.015)),
     ),
-    Entry(
+    LibraryEntry(
         "gypsum plaster",
         "gypsum",
         Use.MATERIAL,
@@ -229,8 +229,8 @@ GYPSUM: Final = (
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def _wall(name: str, what: str, speed: float, rho: float, loss_factor: float, estimated: bool = True) -> Entry:
-    return Entry(name, "masonry", Use.MATERIAL, what, of_hopkins(speed, 0.2, rho, loss_factor, estimated))
+def _wall(name: str, what: str, speed: float, rho: float, loss_factor: float, estimated: bool = True) -> LibraryEntry:
+    return LibraryEntry(name, "masonry", Use.MATERIAL, what, of_hopkins(speed, 0.2, rho, loss_factor, estimated))
 
 
 MASONRY: Final = (
@@ -253,7 +253,7 @@ _CREMER: Final = Source(
 )
 
 
-def _metal(name: str, E: float, nu: float, rho: float, losses: tuple[float, float]) -> Entry:
+def _metal(name: str, E: float, nu: float, rho: float, losses: tuple[float, float]) -> LibraryEntry:
     note = "of the material in bending: structures have far more"
     facts = (
         Fact("E", E, _CREMER),
@@ -261,13 +261,13 @@ def _metal(name: str, E: float, nu: float, rho: float, losses: tuple[float, floa
         Fact("rho", rho, _CREMER),
         Fact("loss_factor", None, _CREMER, losses, note),
     )
-    return Entry(name, "metals and glass", Use.MATERIAL, name, facts)
+    return LibraryEntry(name, "metals and glass", Use.MATERIAL, name, facts)
 
 
 METALS: Final = (
     _metal("steel", 210e9, 0.31, 7800.0, (2e-5, 3e-4)),
     _metal("aluminium", 72e9, 0.34, 2700.0, (3e-6, 1e-4)),
-    Entry(
+    LibraryEntry(
         "glass",
         "metals and glass",
         Use.MATERIAL,
@@ -299,8 +299,8 @@ _DYNAMIC_MODULI: Final = (  # material, density [kg/m^3], its range, dynamic mod
 )
 
 
-def _layer(material: str, rho: int, thickness: int, stiffness: int) -> Entry:
-    return Entry(
+def _layer(material: str, rho: int, thickness: int, stiffness: int) -> LibraryEntry:
+    return LibraryEntry(
         f"layer {material} {rho} kg/m^3 {thickness} mm",
         "resilient layers",
         Use.LAYER,
@@ -313,9 +313,11 @@ def _layer(material: str, rho: int, thickness: int, stiffness: int) -> Entry:
     )
 
 
-def _modulus(name: str, rho: float | None, between: tuple[float, float] | None, moduli: tuple[float, float]) -> Entry:
+def _modulus(
+    name: str, rho: float | None, between: tuple[float, float] | None, moduli: tuple[float, float]
+) -> LibraryEntry:
     note = "dynamic, under about 2 kPa; s' is this over the thickness"
-    return Entry(
+    return LibraryEntry(
         f"layer of {name}",
         "resilient layers",
         Use.NUMBERS,
@@ -332,14 +334,14 @@ RESILIENT_LAYERS: Final = (*(_layer(*one) for one in _MEASURED), *(_modulus(*one
 # ----------------------------------------------------------------------------------------------------------------------
 
 SCREEDS: Final = (
-    Entry(
+    LibraryEntry(
         "screed sand-cement",
         "screeds",
         Use.MATERIAL,
         "screed of sand and cement",
         of_hopkins(3250.0, 0.2, 2000.0, 0.01, estimated=False),
     ),
-    Entry(
+    LibraryEntry(
         "mortar",
         "screeds",
         Use.MATERIAL,
@@ -360,10 +362,10 @@ _ROLLING: Final = Source(
 _TIMBER_RATIO: Final = Source("an assumption: the standard has none, and plates hardly depend on it")
 
 
-def _timber(name: str) -> Entry:
+def _timber(name: str) -> LibraryEntry:
     wood = timber(name, name)
     along, across, _ = wood.E
-    return Entry(
+    return LibraryEntry(
         name,
         "timber",
         Use.MATERIAL,
@@ -390,22 +392,22 @@ _OSB: Final = Source(
 )
 
 WOOD_BOARDS: Final = (
-    Entry("chipboard", "wood boards", Use.MATERIAL, "chipboard", of_hopkins(2200.0, 0.3, 760.0, 0.01)),
-    Entry(
+    LibraryEntry("chipboard", "wood boards", Use.MATERIAL, "chipboard", of_hopkins(2200.0, 0.3, 760.0, 0.01)),
+    LibraryEntry(
         "chipboard stiff",
         "wood boards",
         Use.MATERIAL,
         "chipboard by the modulus of another textbook",
         of_vigran(3.8e9, 0.2, (650.0, 800.0), (0.01, 0.03)),
     ),
-    Entry(
+    LibraryEntry(
         "OSB",
         "wood boards",
         Use.MATERIAL,
         "oriented strand board, taken as alike in all directions",
         of_hopkins(2570.0, 0.3, 590.0, 0.01, speeds=(2200.0, 3500.0)),
     ),
-    Entry(
+    LibraryEntry(
         "OSB/3",
         "wood boards",
         Use.MATERIAL,
@@ -418,14 +420,14 @@ WOOD_BOARDS: Final = (
             Fact("loss_factor", 0.01, HOPKINS, note="internal, an estimate of the author"),
         ),
     ),
-    Entry(
+    LibraryEntry(
         "plywood birch",
         "wood boards",
         Use.MATERIAL,
         "plywood of birch, taken as alike in all directions",
         of_hopkins(3850.0, 0.3, 710.0, 0.016, estimated=False),
     ),
-    Entry("MDF", "wood boards", Use.MATERIAL, "medium density fibreboard", of_hopkins(2560.0, 0.3, 760.0, 0.01)),
+    LibraryEntry("MDF", "wood boards", Use.MATERIAL, "medium density fibreboard", of_hopkins(2560.0, 0.3, 760.0, 0.01)),
 )
 
 
@@ -447,7 +449,7 @@ _COX: Final = Source(
 )
 
 WOOL: Final = (
-    Entry(
+    LibraryEntry(
         "glass wool 14 kg/m^3",
         "wool",
         Use.FILL,
@@ -457,28 +459,28 @@ WOOL: Final = (
             Fact("flow_resistivity", 7e3, _ISOVER, (6e3, 7e3)),
         ),
     ),
-    Entry(
+    LibraryEntry(
         "glass wool 130 kg/m^3",
         "wool",
         Use.FILL,
         "heavy glass wool, Domisol Coffrage",
         (Fact("rho", 130.0, _ALLARD), Fact("flow_resistivity", 40e3, _ALLARD)),
     ),
-    Entry(
+    LibraryEntry(
         "mineral wool",
         "wool",
         Use.NUMBERS,
         "mineral wool of any kind: the range that studies report",
         (Fact("flow_resistivity", None, _COX, (1e3, 150e3)),),
     ),
-    Entry(
+    LibraryEntry(
         "wood fibres",
         "wool",
         Use.NUMBERS,
         "wood fibres: the range that studies report (Wassilieff 1996)",
         (Fact("flow_resistivity", None, _COX, (11e3, 180e3)),),
     ),
-    Entry(
+    LibraryEntry(
         "hemp fibres",
         "wool",
         Use.NUMBERS,
@@ -494,7 +496,7 @@ WOOL: Final = (
 
 
 @cache
-def library() -> MappingProxyType[str, Entry]:
+def library() -> MappingProxyType[str, LibraryEntry]:
     """The entries by name, family after family.
 
     Raises FemstructError for two of one name.
@@ -502,7 +504,7 @@ def library() -> MappingProxyType[str, Entry]:
     >>> library()["concrete C30/37"].number("E")
     33000000000.0
     """
-    found: dict[str, Entry] = {}
+    found: dict[str, LibraryEntry] = {}
     for entry in _all():
         if entry.name in found:
             raise FemstructError(f"library {entry.name}", got="two entries", expected="one")
@@ -510,7 +512,7 @@ def library() -> MappingProxyType[str, Entry]:
     return MappingProxyType(found)
 
 
-def _all() -> Iterator[Entry]:
+def _all() -> Iterator[LibraryEntry]:
     for family in (CEILING_HANGERS, CLT, CONCRETE, ELASTOMERS, GYPSUM, MASONRY, METALS, RESILIENT_LAYERS, SCREEDS,
                    TIMBER_CLASSES, WOOD_BOARDS, WOOL):  # fmt: skip
         yield from family
@@ -525,7 +527,7 @@ def names_for(*uses: Use) -> tuple[str, ...]:
     return tuple(entry.name for entry in library().values() if entry.use in uses)
 
 
-def matching(words: Iterable[str]) -> tuple[Entry, ...]:
+def matching(words: Iterable[str]) -> tuple[LibraryEntry, ...]:
     """Entries whose name, family or description has all of these words, in any case.
 
     >>> [one.name for one in matching(["osb/3"])]
@@ -539,7 +541,7 @@ def matching(words: Iterable[str]) -> tuple[Entry, ...]:
     )
 
 
-def looked_up(words: Iterable[str]) -> tuple[Entry, ...]:
+def looked_up(words: Iterable[str]) -> tuple[LibraryEntry, ...]:
     """`matching`. Raises InputError where there is none, with the name that is nearest."""
     asked = list(words)
     found = matching(asked)

@@ -165,7 +165,7 @@ class LossShare(NamedTuple):
     stiffness: csr_array
 
 
-class Spread(NamedTuple):
+class RegionSpread(NamedTuple):
     """Points over a region of a part: nodes [p, k], rows [p, 6, k, 7] of their motion, global axes, weights [p] [m or
     m^2]; what a thing spread over it is counted by beside the total, and the word for the region."""
 
@@ -424,7 +424,7 @@ class Meshed(ABC):
         """Whether it is there, of places [p, 3] [m] over its box: a slab has openings."""
         return np.ones(len(places), dtype=bool)
 
-    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread | None:
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> RegionSpread | None:
         """Gauss points over a region of it, to spread something evenly; None where nothing can be spread over it."""
         return None
 
@@ -471,7 +471,7 @@ def refuse_not_global(name: str, at: Floats) -> None:
         raise InputError(f"points.{name}.at", got=f"{len(at)} numbers", expected="[x, y, z], global")
 
 
-class Body(NamedTuple):
+class FilledBox(NamedTuple):
     """The box that a part fills: a corner [3], axes [3, 3] as rows, sides [3] along them [m].
 
     across : the one of its axes that its sides face along; None for a box, whose sides face along all.
@@ -497,7 +497,7 @@ class Part:
         have."""
         return np.zeros((0, 3))
 
-    def body(self) -> Body | None:
+    def body(self) -> FilledBox | None:
         """The box it fills, where layers can lie against it."""
         return None
 

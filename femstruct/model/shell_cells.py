@@ -27,7 +27,7 @@ _QUAD_CORNERS: Final = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]
 _TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 
 
-class Places(NamedTuple):
+class CellPlaces(NamedTuple):
     """Places in cells: cells [p], xi, eta [p] there, places [p, 3] [m], weights [p] [m^2]."""
 
     cells: Integers
@@ -176,7 +176,7 @@ def rows_at(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple
     return cells.corners[which], rows
 
 
-def cell_points(cells: FlatCells, which: Integers, order: int) -> Places:
+def cell_points(cells: FlatCells, which: Integers, order: int) -> CellPlaces:
     """Gauss points of cells; over a quadrilateral order x order, over a triangle those of one folded together."""
     points, shares = gauss_interval(order)
     xi, eta = np.repeat(points, order), np.tile(points, order)
@@ -189,8 +189,8 @@ def cell_points(cells: FlatCells, which: Integers, order: int) -> Places:
         many = np.repeat(own, len(x))
         xs, ys = np.tile(x, len(own)), np.tile(y, len(own))
         places, areas = mapped(cells, many, xs, ys)
-        found.append(Places(many, xs, ys, places, np.tile(w, len(own)) * areas))
-    return Places(*(np.concatenate(pair) for pair in zip(*found, strict=True)))
+        found.append(CellPlaces(many, xs, ys, places, np.tile(w, len(own)) * areas))
+    return CellPlaces(*(np.concatenate(pair) for pair in zip(*found, strict=True)))
 
 
 def edge_gauss(cells: FlatCells, which: Integers, corner: Integers) -> tuple[Integers, Floats, Floats, Floats, Floats]:

@@ -17,7 +17,7 @@ from femstruct.conventions import DIRECTIONS
 from femstruct.declared import NotNegative, Positive, checked
 from femstruct.errors import InputError
 from femstruct.model.materials import EdgeWall, Loss, check_loss
-from femstruct.model.part import Body, Part, Tie
+from femstruct.model.part import FilledBox, Part, Tie
 from femstruct.model.regions import Facing, Pair, Region, Side
 from femstruct.tags import stored_as
 
@@ -405,6 +405,6 @@ def extent(structure: Structure) -> float:
     return float(np.ptp(corners, axis=0).max())
 
 
-def bodies_of(structure: Structure) -> dict[str, Body]:
+def bodies_of(structure: Structure) -> dict[str, FilledBox]:
     """The boxes that parts fill, by name, of those that layers can lie against."""
     return {part.name: body for part in structure.parts if (body := part.body()) is not None}

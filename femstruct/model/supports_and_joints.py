@@ -105,7 +105,7 @@ def _turning(points: EdgePoints, stiffness: float, n_nodes: int) -> tuple[csr_ar
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-class Shared(NamedTuple):
+class SharedNodes(NamedTuple):
     """Two parts of one file and the nodes they share there, as numbers of both [m, 2]."""
 
     a: str
@@ -118,7 +118,7 @@ class Shared(NamedTuple):
         return f"{self.a} and {self.b}"
 
 
-def shared_nodes(model: Model) -> tuple[Shared, ...]:
+def shared_nodes(model: Model) -> tuple[SharedNodes, ...]:
     """All pairs of parts of a mesh file that share nodes and that no joint or seam of the model joins."""
     joined = {frozenset((joint.a, joint.b)) for joint in model.structure.joints}
     joined |= {frozenset((one.on, one.onto)) for one in model.structure.constraints if isinstance(one, Seam)}
@@ -131,11 +131,11 @@ def shared_nodes(model: Model) -> tuple[Shared, ...]:
         pairs = np.stack([model.parts[a].nodes[first], model.parts[b].nodes[second]], axis=1)
         free = np.isin(pairs[:, 0], model.parts[a].joinable) & np.isin(pairs[:, 1], model.parts[b].joinable)
         if (kept := free & (rows >= 0)).any():
-            found.append(Shared(a, b, pairs[kept]))
+            found.append(SharedNodes(a, b, pairs[kept]))
     return tuple(found)
 
 
-def shared_tie(shared: Shared, model: Model) -> Tie:
+def shared_tie(shared: SharedNodes, model: Model) -> Tie:
     """Displacements of shared nodes are the same, and their rotations where both parts have them."""
     turns = model.parts[shared.a].has_rotations and model.parts[shared.b].has_rotations
     components = np.eye(6 if turns else 3, N_COMPONENTS)

@@ -15,7 +15,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.model.imported_mesh import Makes
 from femstruct.model.layout import Grids, Layout
 from femstruct.model.materials import Given, given
-from femstruct.model.part import Body, Drawn, Meshed, OwnDofs, Part, nodal_dofs, refuse_patch
+from femstruct.model.part import Drawn, FilledBox, Meshed, OwnDofs, Part, nodal_dofs, refuse_patch
 from femstruct.model.probe import Point
 from femstruct.model.regions import Vector, carried, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
@@ -73,9 +73,9 @@ class Block(Part):
                 raise InputError(f"parts.{self.name}.{key}", got=f"{min(values):g}", expected="positive values")
         return np.array([self.origin, np.add(self.origin, self.size)], dtype=np.float64)
 
-    def body(self) -> Body:
+    def body(self) -> FilledBox:
         origin, size = (np.asarray(one, dtype=np.float64) for one in (self.origin, self.size))
-        return Body(origin, np.eye(3), size, across=None)
+        return FilledBox(origin, np.eye(3), size, across=None)
 
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
         return density_findings(self.name, self.mass, self.size)

@@ -27,10 +27,10 @@ from femstruct.model.imported_mesh import (
 from femstruct.model.lay_ups import LayUp, materials_of
 from femstruct.model.layout import Layout
 from femstruct.model.materials import AnyMaterial, Given, Material, given
-from femstruct.model.part import Drawn, Meshed, Part, Spread, refuse_not_global, refuse_patch
+from femstruct.model.part import Drawn, Meshed, Part, RegionSpread, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point, Surface
 from femstruct.model.regions import Facing, Region, Side, Vector, carried, flat_rows, sparse_rows
-from femstruct.model.shell_cells import Places, cell_points, nearest_places
+from femstruct.model.shell_cells import CellPlaces, cell_points, nearest_places
 from femstruct.model.solid_cells import SolidCells
 from femstruct.model.structure import PlaceOn, SurfaceOn
 
@@ -266,10 +266,10 @@ class CellsMesh(Meshed):
             raise InputError(where, got=got, expected=f"one with {self.words.facet}s")
         return found
 
-    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> RegionSpread:
         points = cell_points(self.facets, self.chosen(where, region, tolerance), order)
         nodes, rows = self.facet_motion(points.cells, points.xi, points.eta)
-        return Spread(nodes, rows, points.weights, "area", region.kind)
+        return RegionSpread(nodes, rows, points.weights, "area", region.kind)
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         """Its facets as they are: they are as fine as its motion."""
@@ -353,7 +353,7 @@ def side_surface(
 
 
 def surface_at(
-    name: str, points: Places, normals: Floats, lies: tuple[Floats, Floats], motion: Motion, n_nodes: int
+    name: str, points: CellPlaces, normals: Floats, lies: tuple[Floats, Floats], motion: Motion, n_nodes: int
 ) -> Surface:
     """The surface at points of cells with normals [p, 3] outwards. lies : directions [2, 3] along it, and its outline
     [.., 3] [m]."""

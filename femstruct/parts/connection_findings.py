@@ -14,7 +14,7 @@ from femstruct.arrays import Floats
 from femstruct.errors import Finding, some_of
 from femstruct.model.elastic_layers import layer_of
 from femstruct.model.model import Model, part_masses
-from femstruct.model.part import Body
+from femstruct.model.part import FilledBox
 from femstruct.model.structure import ABOUT, ACROSS, Structure, bodies_of, extent
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
@@ -193,7 +193,7 @@ def overhang_findings(model: Model) -> tuple[Finding, ...]:
     return tuple(found for layer in layers if layer.to is not None for found in _overhang(layer, bodies))
 
 
-def _overhang(part: Foundation, bodies: Mapping[str, Body]) -> tuple[Finding, ...]:
+def _overhang(part: Foundation, bodies: Mapping[str, FilledBox]) -> tuple[Finding, ...]:
     first, second = part.on, str(part.to)
     size = float(max(bodies[name].size.max() for name in (first, second)))
     layer = layer_of(part, bodies, _ALMOST * size)
@@ -240,7 +240,9 @@ def twice_findings(structure: Structure) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def _in_one_place(one: tuple[str, Body], other: tuple[str, Body], tolerance: float, joined: bool) -> list[Finding]:
+def _in_one_place(
+    one: tuple[str, FilledBox], other: tuple[str, FilledBox], tolerance: float, joined: bool
+) -> list[Finding]:
     """Two plates with parallel faces, or two blocks, of which one reaches into the other."""
     (name, (corner, axes, sides, flat)), (other_name, (second, others, second_sides, other_flat)) = one, other
     if flat != other_flat or (flat is None and joined):  # joined blocks may be made of boxes

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
-from femstruct.model.elastic_layers import Layer, layer_of
+from femstruct.model.elastic_layers import LayerPlane, layer_of
 from femstruct.model.layout import Layout
 from femstruct.model.materials import Given, Loss, given
 from femstruct.model.model import Model
@@ -90,7 +90,7 @@ class Foundation(Part):
         if self.shear > 0.0 and any(name in layout.given for name in self.ends):  # a slab stretches: so does the plate
             layout.pulled |= {plate.name for plate in plates}
 
-    def spread_shear(self, layer: Layer) -> float:
+    def spread_shear(self, layer: LayerPlane) -> float:
         """Its stiffness in shear per area [N/m^3]; per length it is spread over what a rim encloses, and over as much
         beside a line as this is long."""
         x, y = layer.box[1] - layer.box[0], layer.box[3] - layer.box[2]
@@ -145,7 +145,7 @@ class Foundation(Part):
         )
 
 
-def glue_ratio(layer: Layer, shear: float, first: Plate, second: Plate | None = None) -> float:
+def glue_ratio(layer: LayerPlane, shear: float, first: Plate, second: Plate | None = None) -> float:
     """Bending stiffness of two plates, or of one on the ground, and a layer of a shear per area [N/m^3] if they cannot
     stretch in their planes, over that if they can.
 
@@ -168,14 +168,16 @@ def glue_ratio(layer: Layer, shear: float, first: Plate, second: Plate | None = 
     return float((alone + apart**2 / slide) / (alone + apart**2 / (slide + stretch)))
 
 
-def _layer_points(layer: Layer, region: Region, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:
+def _layer_points(
+    layer: LayerPlane, region: Region, sides: Sequence[Meshed], tolerance: float
+) -> tuple[Floats, Floats]:
     """Gauss points [p, 2] of a layer in its coordinates [m] and weights [p]: between the grid lines of all its parts,
     where the motions of all are polynomials."""
     grids = [lines_across(layer, direction, sides, tolerance) for direction in (0, 1)]
     return grid_points(grids[0], grids[1], region, layer.box, tolerance, ORDER)
 
 
-def lines_across(layer: Layer, direction: int, sides: Sequence[Meshed], tolerance: float) -> Floats:
+def lines_across(layer: LayerPlane, direction: int, sides: Sequence[Meshed], tolerance: float) -> Floats:
     """Ascending coordinates of the grid lines of all parts of a layer inside its region, and of the region's ends."""
     low, high = layer.box[2 * direction : 2 * direction + 2]
     lines = [side.lines_across(layer.axes[direction], layer.origin) for side in sides]

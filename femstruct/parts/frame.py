@@ -25,7 +25,7 @@ from femstruct.model.imported_mesh import Makes
 from femstruct.model.layout import Grids, Layout, Segment
 from femstruct.model.materials import AnyMaterial, Given, Loss, given, of_bar, refuse_laboratory
 from femstruct.model.model import Model
-from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, Spread, nodal_dofs, refuse_not_global, refuse_patch
+from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, RegionSpread, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point, StressPlaces
 from femstruct.model.regions import Region, Vector, carried, distance_to_segments, flat_rows, sparse_rows
 from femstruct.model.scatter import scattered
@@ -409,13 +409,13 @@ class FrameMesh(Meshed):
         (position,) = self._along(np.array([bar]), shares[[bar]])
         return Point(name, position, *flat_rows(nodes, rows, np.ones(1)), normal=up)
 
-    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> RegionSpread:
         if region.kind != "whole":
             raise InputError(where, got=f"a {region.kind} of a frame", expected="all of the frame")
         places, shares = gauss_interval(order)
         bars = np.repeat(np.arange(len(self.bars)), order)
         weights = self.lengths[bars] * np.tile(shares, len(self.bars))
-        return Spread(*self.rows(bars, np.tile(places, len(self.bars))), weights, "length", "frame")
+        return RegionSpread(*self.rows(bars, np.tile(places, len(self.bars))), weights, "length", "frame")
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
         bars = np.repeat(np.arange(len(self.bars)), along + 1)

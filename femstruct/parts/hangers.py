@@ -14,11 +14,11 @@ from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.elements.polynomials import gauss_interval
 from femstruct.errors import InputError
-from femstruct.model.elastic_layers import Layer, layer_of
+from femstruct.model.elastic_layers import LayerPlane, layer_of
 from femstruct.model.layout import Layout
 from femstruct.model.materials import Given, Loss, given
 from femstruct.model.model import Model
-from femstruct.model.part import Body, Elastic, Inert, Meshed, Part
+from femstruct.model.part import Elastic, FilledBox, Inert, Meshed, Part
 from femstruct.model.regions import PARALLEL, Pair, Region, clip, line_points, sparse_rows
 from femstruct.model.structure import bodies_of
 from femstruct.parts.foundation import Foundation, lines_across
@@ -159,7 +159,7 @@ class Hangers(Part):
             if not step > 0:
                 raise InputError(f"{where}.spacing", got=f"{step:g} m", expected="lengths above zero")
 
-    def _ceiling(self, bodies: Mapping[str, Body]) -> Body:
+    def _ceiling(self, bodies: Mapping[str, FilledBox]) -> FilledBox:
         found = bodies.get(self.to)
         if found is None or found.across != 2:
             raise InputError(f"parts.{self.name}.between", got=f"'{self.to}'", expected="a ceiling: a plate or slab")
@@ -190,7 +190,7 @@ class Hangers(Part):
             raise InputError(f"parts.{self.name}.spacing", got=got, expected=f"at most {MOST_PLACES} places")
         return np.asarray((length - (count - 1) * spacing) / 2.0 + spacing * np.arange(count))
 
-    def _below_floor(self, sides: Sequence[Meshed], bodies: Mapping[str, Body], tolerance: float) -> _Places:
+    def _below_floor(self, sides: Sequence[Meshed], bodies: Mapping[str, FilledBox], tolerance: float) -> _Places:
         self._ceiling(bodies)
         layer = layer_of(Foundation(self.name, self.to, Region("whole"), 1.0, to=self.on), bodies, tolerance)
         local, shares = self._lines(layer, sides, tolerance) if self.per == "length" else self._pieces(layer, tolerance)
@@ -205,7 +205,7 @@ class Hangers(Part):
             )
         return places[there], shares[there], layer.axes
 
-    def _pieces(self, layer: Layer, tolerance: float) -> tuple[Floats, Floats]:
+    def _pieces(self, layer: LayerPlane, tolerance: float) -> tuple[Floats, Floats]:
         x0, x1, y0, y1 = layer.box
         if self.at:
             local = np.array(self.at)
@@ -223,7 +223,7 @@ class Hangers(Part):
         local = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         return local, np.ones(len(local))
 
-    def _lines(self, layer: Layer, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:
+    def _lines(self, layer: LayerPlane, sides: Sequence[Meshed], tolerance: float) -> tuple[Floats, Floats]:
         """Gauss points [p, 2] and weights [p] (m) of lines along an axis of the ceiling."""
         x0, x1, y0, y1 = layer.box
         (step,) = self._spacings((1,), "lines below a floor", (x1 - x0, y1 - y0))
@@ -237,7 +237,7 @@ class Hangers(Part):
         found = [line_points(cuts[0], cuts[1], one, tolerance, ORDER) for one in ends]
         return np.concatenate([places for places, _ in found]), np.concatenate([shares for _, shares in found])
 
-    def _along_bars(self, frame: FrameMesh, plate: Meshed, body: Body, tolerance: float) -> _Places:
+    def _along_bars(self, frame: FrameMesh, plate: Meshed, body: FilledBox, tolerance: float) -> _Places:
         """Places in the middle between the sides of bars and of the ceiling that face each other."""
         if self.at or self.along is not None:
             key, got = ("at", "places") if self.at else ("along", "a direction")

@@ -21,7 +21,7 @@ from femstruct.model.part import Meshed
 from femstruct.model.plates_and_bars import coincident_pairs, joined_nodes
 from femstruct.model.regions import distance_to_rectangle, to_rectangle
 from femstruct.model.structure import Joint
-from femstruct.model.supports_and_joints import Shared, shared_nodes
+from femstruct.model.supports_and_joints import SharedNodes, shared_nodes
 from femstruct.model.unlike_meshes import bow_between, off_near
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.plate import plates_of
@@ -464,7 +464,7 @@ def shared_node_findings(model: Model) -> tuple[Finding, ...]:
     return (*told, *(hinge for one in found for hinge in _hinge(one, model)))
 
 
-def _hinge(shared: Shared, model: Model) -> list[Finding]:
+def _hinge(shared: SharedNodes, model: Model) -> list[Finding]:
     """A shell whose nodes on a solid are of no cell that lies on it: it turns there."""
     parts = model.parts[shared.a], model.parts[shared.b]
     turning = [part.has_rotations for part in parts]

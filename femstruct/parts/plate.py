@@ -21,7 +21,7 @@ from femstruct.model.lay_ups import LayUp, PlateSection, materials_of, section_o
 from femstruct.model.layout import Grids, Layout, cell_sides
 from femstruct.model.materials import AnyMaterial, Given, Loss, Material, given
 from femstruct.model.model import Model
-from femstruct.model.part import Body, Drawn, EdgePoints, LossShare, Meshed, OwnDofs, Part, Spread
+from femstruct.model.part import Drawn, EdgePoints, FilledBox, LossShare, Meshed, OwnDofs, Part, RegionSpread
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.regions import (
     Facing,
@@ -701,11 +701,11 @@ class PlateMesh(Meshed):
         across = np.tile(self.axes[2], (len(local), 1))
         return EdgePoints(*self.rows(local), weights, across, self.axes[axis])
 
-    def spread(self, where: str, region: Region, tolerance: float, order: int) -> Spread:
+    def spread(self, where: str, region: Region, tolerance: float, order: int) -> RegionSpread:
         box = region_box(where, self.name, self.part.size, region, tolerance)
         local, weights = grid_points(self.x, self.y, region, box, tolerance, order)
         per: Literal["length", "area"] = "area" if region.kind in ("whole", "rectangle") else "length"
-        return Spread(*self.rows(local), weights, per, region.kind)
+        return RegionSpread(*self.rows(local), weights, per, region.kind)
 
     def lines_across(self, along: Floats, origin: Floats) -> Floats:
         cosines = self.axes[:2] @ along
@@ -813,10 +813,10 @@ class Plate(Part):
         local = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]) * self.size
         return from_rectangle(self, rectangle_axes(self), local)
 
-    def body(self) -> Body:
+    def body(self) -> FilledBox:
         axes = rectangle_axes(self)
         corner = np.asarray(self.origin, dtype=np.float64) - self.thickness / 2.0 * axes[2]
-        return Body(corner, axes, np.array([*self.size, self.thickness]), across=2)
+        return FilledBox(corner, axes, np.array([*self.size, self.thickness]), across=2)
 
     @property
     def section(self) -> PlateSection:

@@ -221,7 +221,7 @@ REACHED: Final = 1.01  # of half the depth and half the thickness: what is drawn
 MOST_PLACES: Final = 60  # along the bars of a piece
 
 
-class Beside(NamedTuple):
+class BarBeside(NamedTuple):
     """A bar beside a face. place [3] : on the axis of the bar; apart : from there to the middle of the face [m]; offset
     : of the axis from there, as it is written."""
 
@@ -232,7 +232,7 @@ class Beside(NamedTuple):
     offset: str
 
 
-def bars_beside(model: Model, one: Piece, other: Piece) -> Beside | None:
+def bars_beside(model: Model, one: Piece, other: Piece) -> BarBeside | None:
     """The first place where the section of a bar of one of two pieces reaches a plate or shell of the other."""
     for here, there in ((one, other), (other, one)):
         faces: list[PlateMesh | ShellMesh] = [plate for plate in plates_of(model) if plate.name in there.parts]
@@ -244,7 +244,7 @@ def bars_beside(model: Model, one: Piece, other: Piece) -> Beside | None:
                         nearest, normal, half = _nearest(face, place)
                         if _reaches(frame, axes, nearest - place, normal, half):
                             apart = float(np.linalg.norm(nearest - place))
-                            return Beside(frame.name, face.name, place, apart, written(place - nearest))
+                            return BarBeside(frame.name, face.name, place, apart, written(place - nearest))
     return None
 
 

@@ -16,7 +16,7 @@ from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.lay_ups import LayUp, materials_of, section_of
 from femstruct.model.layout import Gridded, Grids, Hole, Layout, gridded
 from femstruct.model.materials import AnyMaterial, Given, Material, given
-from femstruct.model.part import Body
+from femstruct.model.part import FilledBox
 from femstruct.model.probe import Point
 from femstruct.model.regions import Pair, Vector, carried, from_rectangle, rectangle_axes, to_rectangle
 from femstruct.model.structure import PlaceOn
@@ -156,11 +156,11 @@ class Slab(GivenNodes):
     def corners(self) -> Floats:
         return from_rectangle(self, rectangle_axes(self), self.grid().places)
 
-    def body(self) -> Body:
+    def body(self) -> FilledBox:
         """The box round its outline: layers fill what of it is slab."""
         axes, low = rectangle_axes(self), np.array(self.outline).min(axis=0)
         corner = from_rectangle(self, axes, np.array([*low, self.offset - self.thickness / 2.0]))
-        return Body(corner, axes, np.array([*self.size, self.thickness]), across=2)
+        return FilledBox(corner, axes, np.array([*self.size, self.thickness]), across=2)
 
     @property
     def cell_size(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import Final
 
-from femstruct.model.library import Entry, Fact
+from femstruct.model.library import Fact, LibraryEntry
 from femstruct.model.materials import Given
 from femstruct.view.console import Grid, console
 from femstruct.view.page import amount
@@ -14,7 +14,7 @@ from femstruct.view.page import amount
 WHOLE: Final = 6  # entries of which every source is shown
 
 
-def show_library(entries: Sequence[Entry], asked: bool) -> None:
+def show_library(entries: Sequence[LibraryEntry], asked: bool) -> None:
     """Print entries by family; of a few that were asked for, every value with its source."""
     screen = console()
     if asked and len(entries) <= WHOLE:
@@ -29,7 +29,7 @@ def show_library(entries: Sequence[Entry], asked: bool) -> None:
     screen.print("`femstruct materials NAME` shows the source of every value, and how a model takes it")
 
 
-def family_table(family: str, entries: Sequence[Entry]) -> Grid:
+def family_table(family: str, entries: Sequence[LibraryEntry]) -> Grid:
     """The entries of a family with what is known of each.
 
     >>> from femstruct.model.library_entries import matching

@@ -24,7 +24,7 @@ from femstruct.modal.closed_form import beam, given_modes, oscillator, rod
 from femstruct.modal.damping import carry_damping, with_damping
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.statics import sunk
-from femstruct.model.library import Entry
+from femstruct.model.library import LibraryEntry
 from femstruct.model.library_entries import library
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model, refuse_unweighed
@@ -193,7 +193,7 @@ def refuse_mixed_axes(study: Study) -> None:
 
 
 @dataclass(frozen=True)
-class Rest:
+class RestState:
     """Gravity on a body that links carry: its weight with all that lies on it [N], and how far it has sunk [m]."""
 
     body: str
@@ -201,7 +201,7 @@ class Rest:
     sag: float
 
 
-def rest_states(study: Study) -> tuple[Rest, ...]:
+def rest_states(study: Study) -> tuple[RestState, ...]:
     """Weights and static sags of the bodies that links carry; empty without gravity.
 
     Notes: the structure and the contacts under lying bodies are taken as rigid beside the links.
@@ -227,7 +227,7 @@ def weights_on(study: Study) -> dict[str, float]:
     return found
 
 
-def _carried(study: Study) -> tuple[Rest, ...]:
+def _carried(study: Study) -> tuple[RestState, ...]:
     carried, lying = carried_bodies(study), lying_bodies(study)
     names = [body.name for body in study.bodies if body.name in carried]
     weight = np.array([mass_on(body, lying) for body in study.bodies if body.name in carried]) * GRAVITY
@@ -236,7 +236,7 @@ def _carried(study: Study) -> tuple[Rest, ...]:
         row = np.array([float(name == link.between[0]) - float(name == link.between[1]) for name in names])
         stiffness += link.stiffness * np.outer(row, row)
     sag = np.linalg.solve(stiffness, weight)
-    return tuple(Rest(*rest) for rest in zip(names, weight.tolist(), sag.tolist(), strict=True))
+    return tuple(RestState(*rest) for rest in zip(names, weight.tolist(), sag.tolist(), strict=True))
 
 
 def carried_bodies(study: Study) -> set[str]:
@@ -690,7 +690,7 @@ def _singles(model: Model) -> list[Hangers]:
     return [part for part in model.structure.parts if isinstance(part, Hangers) and part.per == "piece"]
 
 
-def _entry(part: Hangers) -> Entry | None:
+def _entry(part: Hangers) -> LibraryEntry | None:
     return library().get(part.like.partition(": ")[0])  # the rest is its source
 
 

@@ -28,7 +28,7 @@ from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.bases import (
     MeshedStructure,
     Places,
-    Rest,
+    RestState,
     Solved,
     hung,
     key_of,
@@ -110,7 +110,7 @@ class Inspection:
     basis: ModalBasis
     positions: Mapping[str, tuple[float, float, float] | None]
     damping: tuple[str, ...]
-    rests: tuple[Rest, ...]
+    rests: tuple[RestState, ...]
     sags: tuple[Sag, ...]
     block_modes: tuple[BlockMode, ...]
     rooms: tuple[RoomPlan, ...]

@@ -222,7 +222,7 @@ SHARED: Final = 0.3  # share of a parameter in such a combination, from which on
 _LARGEST: Final = 10.0
 
 
-class Kept(NamedTuple):
+class Determined(NamedTuple):
     """What the data determine of parameters that they do not distinguish: in words ("the ratio"), as a formula, its
     value in the units of the parameters, and half its interval as a share of it."""
 
@@ -245,7 +245,7 @@ class Combination:
 
     names: tuple[str, ...]
     changes: tuple[float, ...]
-    kept: tuple[Kept, ...]
+    kept: tuple[Determined, ...]
     half_along: float
 
     @property
@@ -296,7 +296,7 @@ def _combination(
     return Combination(tuple(names[i] for i in inside), tuple(changes.tolist()), tuple(kept), along)
 
 
-def _power(fit: Fit, names: Sequence[str], one: int, other: int, slope: float) -> Kept:
+def _power(fit: Fit, names: Sequence[str], one: int, other: int, slope: float) -> Determined:
     """The product of powers of two parameters that does not change where dlog(other) = slope dlog(one)."""
     a, b = names[one], names[other]
     power = -1.0 / slope
@@ -305,12 +305,12 @@ def _power(fit: Fit, names: Sequence[str], one: int, other: int, slope: float) -
     words = ("the ratio" if power < 0.0 else "the product") + ("" if plain else " of powers")
     power = float(np.sign(power)) if plain else power
     value = fit.values[a] * fit.values[b] ** power
-    return Kept(words, f"{a} {'/' if power < 0.0 else '*'} {raised}", value, _half(fit, {one: 1.0, other: power}))
+    return Determined(words, f"{a} {'/' if power < 0.0 else '*'} {raised}", value, _half(fit, {one: 1.0, other: power}))
 
 
 def _sum(
     fit: Fit, residuals: Callable[[Values], Floats], names: Sequence[str], pair: tuple[int, int], slope: float
-) -> Kept | None:
+) -> Determined | None:
     """The weighted sum of two parameters that does not change there, if the data keep it better than the product."""
     first, second = (names[i] for i in pair)
     a, b = fit.values[first], fit.values[second]
@@ -326,7 +326,7 @@ def _sum(
     value = weight * a + b
     half = _half(fit, {pair[0]: weight * a / value, pair[1]: b / value})
     words = "the sum" if weight == 1.0 else "the sum with weights"
-    return Kept(words, f"{first if weight == 1.0 else f'{weight:.3g} {first}'} + {second}", value, half)
+    return Determined(words, f"{first if weight == 1.0 else f'{weight:.3g} {first}'} + {second}", value, half)
 
 
 def _half(fit: Fit, weights: Mapping[int, float]) -> float:

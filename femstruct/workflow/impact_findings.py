@@ -284,7 +284,7 @@ SEEN_DB: Final = 0.2  # of levels at low frequencies, which are told
 LONG: Final = 4.0  # closings of the contact that the blow on an infinite plate is looked at
 
 
-class Beside(NamedTuple):
+class PeakBeside(NamedTuple):
     """The peak of a contact force beyond the modes [N] and the same by another way; rebound, other_rebound [1] : of the
     body, of its speed at the blow, None where they are not compared. point : what is struck, "" between two. share [1]
     of the force's spectrum above end [Hz]."""
@@ -326,9 +326,9 @@ def with_less(study: Study, response: Response, beyond: Beyond) -> tuple[LessSta
     return tuple(found)
 
 
-def forces_beside(study: Study, response: Response, beyond: Beyond) -> dict[str, Beside]:
+def forces_beside(study: Study, response: Response, beyond: Beyond) -> dict[str, PeakBeside]:
     """Contacts whose force reaches beyond the modes and is another one by another way, by name."""
-    found: dict[str, Beside] = {}
+    found: dict[str, PeakBeside] = {}
     ends = {planned.name: planned.between for planned in planned_contacts(study)}
     for contact in response.scene.contacts:
         if contact.name not in beyond or contact.name not in ends:
@@ -345,7 +345,7 @@ def forces_beside(study: Study, response: Response, beyond: Beyond) -> dict[str,
     return found
 
 
-def other_pushes(found: Mapping[str, Beside]) -> tuple[OtherPush, ...]:
+def other_pushes(found: Mapping[str, PeakBeside]) -> tuple[OtherPush, ...]:
     """What first blows on infinite plates give the structure, over what they give here: of a body 1 + rebound."""
     return tuple(
         OtherPush((1.0 + one.other_rebound) / (1.0 + one.rebound), f"with the rebound of {name} {one.way}")
@@ -354,7 +354,7 @@ def other_pushes(found: Mapping[str, Beside]) -> tuple[OtherPush, ...]:
     )
 
 
-def marked(channels: Mapping[str, Channel], found: Mapping[str, Beside]) -> dict[str, Channel]:
+def marked(channels: Mapping[str, Channel], found: Mapping[str, PeakBeside]) -> dict[str, Channel]:
     """Recorded forces with the peaks that they have by another way beside them, which are then not to be quoted."""
     kept = dict(channels)
     for name, one in found.items():
@@ -365,7 +365,7 @@ def marked(channels: Mapping[str, Channel], found: Mapping[str, Beside]) -> dict
     return kept
 
 
-def force_findings(found: Mapping[str, Beside]) -> Iterator[Finding]:
+def force_findings(found: Mapping[str, PeakBeside]) -> Iterator[Finding]:
     """What is to be known of them."""
     for name, one in found.items():
         told = ""
@@ -390,7 +390,9 @@ def _below(rebound: float, other: float) -> str:
     return f": sound and vibration at low frequencies are {abs(db):.1f} dB apart" if abs(db) >= SEEN_DB else ""
 
 
-def _on_infinite_plate(study: Study, response: Response, contact: Contact, point: str, end_hz: float) -> Beside | None:
+def _on_infinite_plate(
+    study: Study, response: Response, contact: Contact, point: str, end_hz: float
+) -> PeakBeside | None:
     """The first blow of a free body on the infinite plate of the part that it strikes: C. Zener, Physical Review 59
     (1941) 669-673. None for other parts, and for bodies that something else holds."""
     body = next((one for one in (contact.upper, contact.lower) if isinstance(one, str) and one in response.bodies), "")
@@ -418,7 +420,7 @@ def _on_infinite_plate(study: Study, response: Response, contact: Contact, point
     left = -float(towards) * after_blow(body, contact.name, response) / speed
     other = float(blow.bodies["body"].velocity[-1]) / speed
     way = "on an infinite plate of the same kind (Zener)"
-    return Beside(response.contacts[contact.name].peak_force, blow.contacts["blow"].peak_force, way, left, other)
+    return PeakBeside(response.contacts[contact.name].peak_force, blow.contacts["blow"].peak_force, way, left, other)
 
 
 def _resistance(study: Study, point: str, end_hz: float) -> float | None:
@@ -435,7 +437,7 @@ def _resistance(study: Study, point: str, end_hz: float) -> float | None:
     return 1.0 / float(plate.mobility(np.array([end_hz]))[0])
 
 
-def _by_modes(response: Response, contact: Contact) -> Beside | None:
+def _by_modes(response: Response, contact: Contact) -> PeakBeside | None:
     """The same scene without residual vectors, until the force has had its peak; None where there are none."""
     basis = response.basis
     true = np.array([kind != "residual" for kind in basis.kind])
@@ -450,7 +452,7 @@ def _by_modes(response: Response, contact: Contact) -> Beside | None:
     if not other or (not isinstance(contact.upper, Probe) and not isinstance(contact.lower, Probe)):
         return None
     way = "without the residual vectors (the static correction for the modes that are left out)"
-    return Beside(whole.peak_force, other, way)
+    return PeakBeside(whole.peak_force, other, way)
 
 
 # ----------------------------------------------------------------------------------------------------------------------

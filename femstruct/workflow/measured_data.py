@@ -20,7 +20,7 @@ from femstruct.files.band_tables import band_of
 from femstruct.files.columns import read_measured
 from femstruct.files.frf_files import read_frf_csv
 from femstruct.files.measured_frequencies import MOST_SCATTER, read_frequencies
-from femstruct.files.text_tables import Grid, read_grid, wrong_in
+from femstruct.files.text_tables import TextTable, read_grid, wrong_in
 from femstruct.files.uff import read_uff
 from femstruct.impact.scene import Table
 from femstruct.language.models import ModelFile
@@ -779,7 +779,7 @@ def read_levels(path: Path, scatter: float | None, plan: Plan) -> tuple[LevelsDa
     return tuple(_one(grid, scatter, study.time.duration, place, at) for place, at in places.items())
 
 
-def _one(grid: Grid, scatter: float | None, planned: float, place: str, at: int) -> LevelsDatum:
+def _one(grid: TextTable, scatter: float | None, planned: float, place: str, at: int) -> LevelsDatum:
     """The bands of one column that have a level; blank cells were not measured."""
     found: dict[float, float] = {}
     for row in grid.rows[1:]:

@@ -259,7 +259,7 @@ def _sound_name(*words: str) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Kept:
+class KeptStages:
     """What a run leaves for the next one: its bases, its cases by what each was made from, transfers of rooms and
     spectra of channels (see `run_again`).
 
@@ -311,12 +311,12 @@ def run_study(plan: Plan, progress: Progress = lambda line: None, command: str =
     """
     of_study = 'Plan(title, (Case("as given", study),), baseline="as given") is one of a Study'
     expect("run_study", plan, Plan, f"{of_study}, read_study(PATH) that of a file")
-    return run_again(plan, Kept(), progress, command)[0]
+    return run_again(plan, KeptStages(), progress, command)[0]
 
 
 def run_again(
-    plan: Plan, before: Kept, progress: Progress = lambda line: None, command: str = ""
-) -> tuple[StudyResult, Kept]:
+    plan: Plan, before: KeptStages, progress: Progress = lambda line: None, command: str = ""
+) -> tuple[StudyResult, KeptStages]:
     """A study as `run_study` runs it, with what an earlier run of it, or of another study, has left.
 
     before : of the last run, `Kept()` for none. A basis is taken from it where structure, number of modes and the
@@ -364,7 +364,7 @@ def run_again(
         kept = {name: verdicts(result) for name, result in finished.items()}
         machine = machines(plan.baseline, finished, solved)
     bases = tuple({id(one): one for one in solved.values()}.values())
-    left_behind = Kept(
+    left_behind = KeptStages(
         solved=bases,
         cases={made_from[name]: results[name] for name in finished if name in made_from},
         rooms=before.rooms,

@@ -14,7 +14,7 @@ from femstruct.study.results import StudyResult
 from femstruct.study.study import Plan
 from femstruct.workflow.bases import positioned
 from femstruct.workflow.provenance import Progress
-from femstruct.workflow.run import Kept, run_again, write_numbers
+from femstruct.workflow.run import KeptStages, run_again, write_numbers
 
 LOOK: Final = 0.05  # seconds between two looks at the files
 Stamp = tuple[tuple[int, int] | None, ...]  # time and size of every file, None for one that is not there
@@ -54,7 +54,7 @@ def rounds(
     wait : called between two looks at the files; False ends the watch. keep : as for `write_all`, of what is in the
     folder before the first round; a round replaces the one before.
     """
-    kept = Kept()
+    kept = KeptStages()
     files: tuple[Path, ...] = (study,)
     while True:
         stamp, begin = _stamp(files), time.perf_counter()

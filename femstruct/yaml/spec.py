@@ -365,7 +365,7 @@ def exactly_one(spec: Mapping[str, object], names: Sequence[str], or_none: bool 
 EACH: Final = "*"  # in a path: every name of a mapping, every item of a list, a single value that stands for one
 
 
-class Reference(NamedTuple):
+class NameReference(NamedTuple):
     """Where a file names something. path : keys from the root, EACH, and ("type", WORD) for kinds of one noun."""
 
     path: tuple[str | int | tuple[str, str], ...]
@@ -373,13 +373,13 @@ class Reference(NamedTuple):
 
 
 @cache
-def references(schema: type[Spec]) -> tuple[Reference, ...]:
+def references(schema: type[Spec]) -> tuple[NameReference, ...]:
     """All places of a file where a name stands."""
     return tuple(_walked(schema, (), ()))
 
 
-def _walked(annotation: Any, metadata: tuple[Any, ...], path: tuple[Any, ...]) -> Iterator[Reference]:
-    yield from (Reference(path, one) for one in metadata if isinstance(one, Refers))
+def _walked(annotation: Any, metadata: tuple[Any, ...], path: tuple[Any, ...]) -> Iterator[NameReference]:
+    yield from (NameReference(path, one) for one in metadata if isinstance(one, Refers))
     origin, inside = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         yield from _walked(inside[0], inside[1:], path)

@@ -10,7 +10,7 @@ import pytest
 
 from femstruct.language.cases import read_study
 from femstruct.workflow.coupled_air import RoomTransfers
-from femstruct.workflow.run import Kept, run_again, run_study
+from femstruct.workflow.run import KeptStages, run_again, run_study
 
 STUDY = Path(__file__).parents[2] / "models" / "floor_tennis_ball.study.yaml"
 SHORT = ("time.duration=0.3 s",)
@@ -34,12 +34,14 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 def test_a_second_run_takes_the_transfer_of_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
     made = counted(monkeypatch)
     transfers = RoomTransfers()
-    run_again(read_study(STUDY, SHORT, "without damper"), Kept(rooms=transfers))[0]
+    run_again(read_study(STUDY, SHORT, "without damper"), KeptStages(rooms=transfers))[0]
     assert made
     transfers.prepare()
     made.clear()
     other = (*SHORT, "bodies.ball.mass=0.08 kg")
-    again = run_again(read_study(STUDY, other, "without damper"), Kept(rooms=transfers))[0].cases["without damper"]
+    again = run_again(read_study(STUDY, other, "without damper"), KeptStages(rooms=transfers))[0].cases[
+        "without damper"
+    ]
     assert not made
     alone = run_study(read_study(STUDY, other, "without damper")).cases["without damper"]
     assert made
@@ -55,17 +57,19 @@ def test_a_second_run_takes_the_transfer_of_the_first(monkeypatch: pytest.Monkey
 
 def test_the_same_motion_is_heard_the_same_to_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
     plan, transfers = read_study(STUDY, SHORT, "without damper"), RoomTransfers()
-    first, again = (run_again(plan, Kept(rooms=transfers))[0].cases["without damper"].rooms["box"].p for _ in range(2))
+    first, again = (
+        run_again(plan, KeptStages(rooms=transfers))[0].cases["without damper"].rooms["box"].p for _ in range(2)
+    )
     # the weight of the transform amplifies rounding, and what lines of weight 1e-12 had, to the end of the record: 2e-8
     assert np.abs(again - first).max() < 1e-7 * np.abs(first).max()
 
 
 def test_another_room_is_not_taken_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
     transfers = RoomTransfers()
-    run_again(read_study(STUDY, SHORT, "without damper"), Kept(rooms=transfers))[0]
+    run_again(read_study(STUDY, SHORT, "without damper"), KeptStages(rooms=transfers))[0]
     transfers.prepare()
     made = counted(monkeypatch)
     for other in ("rooms.box.receivers.mic=[0.3, 0.2, 0.06]", "time.sampling=40 kHz"):
         made.clear()
-        run_again(read_study(STUDY, (*SHORT, other), "without damper"), Kept(rooms=transfers))[0]
+        run_again(read_study(STUDY, (*SHORT, other), "without damper"), KeptStages(rooms=transfers))[0]
         assert made, other

@@ -20,7 +20,7 @@ from femstruct.language.cases import read_study
 from femstruct.study.results import CaseResult, StudyResult
 from femstruct.study.study import Case
 from femstruct.workflow.case import run_case
-from femstruct.workflow.run import Kept, run_again, run_study
+from femstruct.workflow.run import KeptStages, run_again, run_study
 from femstruct.workflow.watch import Round, rounds
 
 ROOT = Path(__file__).parents[2]
@@ -81,7 +81,7 @@ def same(one: StudyResult, other: StudyResult) -> None:
     ],
 )
 def test_a_second_run_is_equal_to_a_new_one(study: Path, change: str, reused: str) -> None:
-    _, kept = run_again(read_study(study), Kept())
+    _, kept = run_again(read_study(study), KeptStages())
     plan = read_study(study, (change,))
     again, later = run_again(plan, kept)
     assert later.reused == reused
@@ -92,7 +92,7 @@ def test_a_case_hangs_on_the_damping_of_the_baseline(study: Path) -> None:
     """Modes of another thickness take the baseline's damping: a change there is a change of theirs."""
     text = STUDY.replace("heavy: {bodies.ball.mass: 10 g}", "thick: {parts.p.thickness: 6 mm}")
     study.write_text(text, encoding="utf-8")
-    _, kept = run_again(read_study(study), Kept())
+    _, kept = run_again(read_study(study), KeptStages())
     study.write_text(text.replace("6 mm}", "6 mm, bodies.ball.mass: 6 g}"), encoding="utf-8")
     plan = read_study(study)
     again, later = run_again(plan, kept)
@@ -108,7 +108,7 @@ def test_a_case_hangs_on_the_structure_of_the_baseline(study: Path) -> None:
     """Modes of the given plate take the dampings of those modes of the baseline's that look like them."""
     cases = "cases: {thin: {parts.p.thickness: 4 mm}, given: {}}\ncompare: {baseline: thin}\n"
     study.write_text(STUDY.splitlines()[0] + STUDY.partition("cases:")[0] + cases, encoding="utf-8")
-    _, kept = run_again(read_study(study), Kept())
+    _, kept = run_again(read_study(study), KeptStages())
     study.write_text(study.read_text(encoding="utf-8").replace("4 mm", "4.5 mm"), encoding="utf-8")
     assert run_again(read_study(study), kept)[1].reused == "the modes"
 

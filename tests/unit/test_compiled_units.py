@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from femstruct.compiled.kernels import Matrix, Unit, Vector, kernels_of, laid_out, layout_of, unit, units_called
+from femstruct.compiled.kernels import CompiledUnit, Matrix, Vector, kernels_of, laid_out, layout_of, unit, units_called
 from femstruct.impact.batch_march import run_many
 from femstruct.impact.collocation import march, state_at_start
 from femstruct.impact.contact_events import room_for
@@ -71,7 +71,7 @@ def test_units_are_compiled_apart_from_those_they_call() -> None:
 def test_a_fingerprint_changes_with_the_code_of_every_kernel_in_a_unit() -> None:
     """A copy of the unit whose module has one other kernel, or another constant."""
 
-    def copied(**changed: object) -> Unit[..., int]:
+    def copied(**changed: object) -> CompiledUnit[..., int]:
         python = exact_march.python
         code = {**python.__globals__, **changed}
         function = FunctionType(python.__code__, code, python.__name__, python.__defaults__)

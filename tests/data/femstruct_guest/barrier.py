@@ -6,7 +6,7 @@ from typing import ClassVar
 from scipy.optimize import brentq
 
 from femstruct.compiled.kernels import kernel
-from femstruct.laws.law import Code, Law, Stored
+from femstruct.laws.law import Code, Law, StoredLaw
 from femstruct.tags import stored_as
 
 
@@ -37,7 +37,7 @@ class Barrier(Law):
 
     @property
     def stored(self):
-        return Stored(self.stiffness, self.dissipation, self.depth)
+        return StoredLaw(self.stiffness, self.dissipation, self.depth)
 
     def force(self, d):
         return self.stiffness * d * (1.0 + (d / self.depth) ** 4)
