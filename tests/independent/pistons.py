@@ -97,3 +97,31 @@ class PistonBox:
             return np.asarray(-s * heard / moved.dynamic(s))
         kept = 1.0 if leak is None else leak / (leak + air / self.area**2)
         return np.asarray(-s * kept * heard / (moved.dynamic(s) + s * kept * air))
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A piston that is the whole ceiling of a box, over a floor of an impedance: plane waves.
+
+    p = A (cosh(q z) + rho (s + 2 gamma) / (q Z) sinh(q z)), which has the velocity -p / Z at the floor.
+    """
+
+    area: float
+    height: float
+    c: float = 343.0
+    rho: float = 1.21
+    gamma: float = 0.0
+    tau: float = 0.0
+
+    def per_velocity(self, s: Floats, z: float, impedance: Floats) -> Floats:
+        """Pressure per velocity of the piston into the room."""
+        q = np.sqrt((s * s + 2 * self.gamma * s) / (1 + s * self.tau)) / self.c
+        inert = self.rho * (s + 2 * self.gamma)
+        share, H = inert / (q * impedance), self.height
+        slope = q * (np.sinh(q * H) + share * np.cosh(q * H))
+        return np.asarray(inert * (np.cosh(q * z) + share * np.sinh(q * z)) / slope)
+
+    def per_force(self, moved: Oscillator, s: Floats, z: float, impedance: Floats, two_way: bool) -> Floats:
+        """Pressure per upward force on the piston."""
+        back = s * self.area * self.per_velocity(s, self.height, impedance) * two_way
+        return np.asarray(-s * self.per_velocity(s, z, impedance) / (moved.dynamic(s) + back))

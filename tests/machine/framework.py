@@ -78,11 +78,14 @@ class Door:
             self.told.append(f"exit 3: {ended.stderr.strip()[-500:]}")
         return answer
 
-    def histories(self, model: Model, **beside: Model) -> dict[str, Floats]:
-        """Histories of a study by channel, their times "t", its shock spectra as "NAME positive"."""
+    def histories(self, model: Model, **beside: Model | str) -> dict[str, Floats]:
+        """Histories of a study by channel, their times "t", its shock spectra as "NAME positive"; beside: `ask`."""
         with tempfile.TemporaryDirectory() as place:
             for name, content in {"model": model, **beside}.items():
-                (Path(place) / f"{name}.yaml").write_text(as_yaml(content), encoding="utf-8")
+                if isinstance(content, str):
+                    (Path(place) / name).write_text(content, encoding="utf-8")
+                else:
+                    (Path(place) / f"{name}.yaml").write_text(as_yaml(content), encoding="utf-8")
             found = histories(Path(place) / "model.yaml")
         if isinstance(found, str):
             raise Refused(found)

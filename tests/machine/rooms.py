@@ -174,9 +174,9 @@ def lines_of(model: Model) -> Floats:
     return np.asarray(low + asked["step"] * np.arange(int((high - low) / asked["step"] * (1 + 1e-9)) + 1))
 
 
-def responses(model: Model, door: Door, name: str = "f") -> Floats:
-    """A frequency response of the study, on the lines that it should have."""
-    found = door.histories({"model": "structure.yaml", **model["study"]}, structure=model["structure"])
+def responses(model: Model, door: Door, name: str = "f", **beside: str) -> Floats:
+    """A frequency response of the study, on the lines that it should have. beside : further files."""
+    found = door.histories({"model": "structure.yaml", **model["study"]}, structure=model["structure"], **beside)
     if not np.allclose(found[f"{name} frf_hz"], lines_of(model), rtol=1e-9):
         return np.array([np.nan])
     return np.asarray(found[f"{name} frf"])
