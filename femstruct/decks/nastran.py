@@ -166,7 +166,7 @@ def case_control(lines: Sequence[DeckLine]) -> Control:
 
     >>> from pathlib import Path
     >>> texts = ["CEND", "SPC = 2", "SET 5 = 1,", "7 THRU 9"]
-    >>> found = case_control([Line(Path("a.bdf"), number, text) for number, text in enumerate(texts, 1)])
+    >>> found = case_control([DeckLine(Path("a.bdf"), number, text) for number, text in enumerate(texts, 1)])
     >>> found.sets, found.chosen, found.commands
     ({'SET 5': [1, 7, 8, 9]}, [2], {'SPC': 2})
     """

@@ -310,9 +310,9 @@ def grid_of(path: Path, text: str, single: bool = False) -> TextTable:
     """The table in a text; path : for messages; single : as in `read_grid`.
 
     >>> grid_of(Path("a.csv"), "Hz;T [s]\\n63;1,5\\n").rows[1], grid_of(Path("a.csv"), "63;1,5").comma
-    (Row(line=2, cells=['63', '1,5']), True)
+    (TextRow(line=2, cells=['63', '1,5']), True)
     >>> grid_of(Path("a.csv"), "f [Hz]\\n29,35\\n63", single=True).rows[1]
-    Row(line=2, cells=['29,35'])
+    TextRow(line=2, cells=['29,35'])
     """
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     separator = ";" if single and _is_one_column(lines) else _separator(lines[:_LOOKED])

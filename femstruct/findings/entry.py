@@ -34,7 +34,7 @@ class Threshold:
     reason : why it is this number. source : a publication, a test of ours, or `CHOSEN`. home : the constant that the
     program computes with, "file.NAME"; "" for a number that a standard or another field of a noun holds.
 
-    >>> Limit(0.05, "% of a peak", "more changes a quoted figure", CHOSEN, "recorded_channels.CONVERGED").shown
+    >>> Threshold(0.05, "% of a peak", "more changes a quoted figure", CHOSEN, "recorded_channels.CONVERGED").shown
     '5 % of a peak'
     """
 

@@ -319,7 +319,7 @@ def run_again(
 ) -> tuple[StudyResult, KeptStages]:
     """A study as `run_study` runs it, with what an earlier run of it, or of another study, has left.
 
-    before : of the last run, `Kept()` for none. A basis is taken from it where structure, number of modes and the
+    before : of the last run, `KeptStages()` for none. A basis is taken from it where structure, number of modes and the
     places that are pushed are the same; a case where nothing differs that it depends on, the baseline's structure and
     damping among them. Cases of a study that asks for an accuracy are run anew.
 
@@ -338,7 +338,7 @@ def run_again(
     ...     study = f"model: model.yaml\\nbodies: {{ball: {ball}}}\\nrecord: {{m.z: velocity}}\\n"
     ...     path = Path(folder, "hit.study.yaml")
     ...     _ = path.write_text(study + "time: {duration: 10 ms, sampling: 10 kHz}", encoding="utf-8")
-    ...     first, kept = run_again(read_study(path), Kept())
+    ...     first, kept = run_again(read_study(path), KeptStages())
     ...     second, later = run_again(read_study(path, ("bodies.ball.mass=2 kg",)), kept)
     >>> later.reused, later.solved[0] is kept.solved[0]
     ('the modes', True)
