@@ -110,13 +110,14 @@ def test_a_box_of_finite_elements_sounds_as_the_box_of_cosines(losses):
     assert errors[1] < errors[0] / 2
 
 
-def test_a_tube_with_an_impedance_end():
+@pytest.mark.parametrize("beta", [0.3, 1 / 14.6])  # the second couples modes by less than walls.COUPLED
+def test_a_tube_with_an_impedance_end(beta):
     """Closed form: rho c (cosh jkz + beta sinh jkz) / (sinh jkL + beta cosh jkL), to 0.01 dB."""
-    length, beta, air = 1.0, 0.3, Air(343, 1.21)
-    nt = 9600
+    length, air = 1.0, Air(343, 1.21)
+    nt = 48000  # the sound is over
     push = smooth_push(nt)
     surface = ceiling((0.1, 0.1, length), (1, 1), lambda x: np.ones(len(x)), push)
-    modes = cavity_modes(box_mesh((0.1, 0.1, length), (1, 1, 40)), 70.0)
+    modes = cavity_modes(box_mesh((0.1, 0.1, length), (1, 1, 40)), 30.0)
     places = [0.3, 0.9]
     receivers = [Receiver(str(z), [0.05, 0.05, z]) for z in places]
     heard = cavity_pressure(surface, modes, air, Losses(), receivers, {"z0": Wall({100.0: beta})}).p
