@@ -45,6 +45,10 @@ def decibels(quotients: ArrayLike) -> Floats:
     return np.asarray(10 * np.log10(values, out=np.full(values.shape, nan), where=values > 0))
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Octaves and third octaves of IEC 61260-1.
+# ----------------------------------------------------------------------------------------------------------------------
+
 LOWEST_HZ: Final = 25.0
 Fraction = Literal[1, 3]
 _HALF: Final = {1: 0.15, 3: 0.05}  # decades from a centre to its edges
@@ -199,7 +203,7 @@ def _low_passed(p: Floats, dt: float, end_hz: float) -> Floats:
 # ----------------------------------------------------------------------------------------------------------------------
 # Histories through the band filters, by their exact digital responses, and only as many samples as a band has.
 #
-# What scipy.signal does with the recursion of `acoustics.levels.bands.band_filter`, to its rounding where all samples
+# What scipy.signal does with the recursion of `band_filter`, to its rounding where all samples
 # are kept; without it, since importing it takes longer than the levels of a record.
 # ----------------------------------------------------------------------------------------------------------------------
 

@@ -106,6 +106,10 @@ def interval(levels_db: Sequence[float]) -> Interval:
     return Interval(mean, mean - half, mean + half)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A room's impact sound as the standards state it.
+# ----------------------------------------------------------------------------------------------------------------------
+
 _OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all that is heard
 _DB: Final = "dB re 20 µPa"
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")

@@ -173,6 +173,10 @@ def largest_fast(spectra: Complexes, s: Complexes, bands_hz: Mapping[float, floa
     return found
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Levels of sound.
+# ----------------------------------------------------------------------------------------------------------------------
+
 REFERENCE_PA: Final = 20e-6
 _DB: Final = "dB re 20 µPa"
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the third octave")

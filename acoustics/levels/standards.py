@@ -101,7 +101,7 @@ def single_number(number: RatingNumber, bands_hz: Sequence[float], places_db: Fl
 # The tables and examples were taken from public sources that quote the standards with their pages:
 # https://github.com/jmrplens/phonometry (tests/reference_data.py, building/measurement/heavy_impact.py) and, for the
 # reference curve again, https://github.com/ITA-Toolbox (ita_soundInsulationIndexImpact.m). The Japanese grades and the
-# Korean level of the bang machine are in `acoustics.levels.standards`.
+# Korean level of the bang machine follow below.
 # ----------------------------------------------------------------------------------------------------------------------
 
 T0_S: Final = 0.5  # reverberation time of a furnished living room

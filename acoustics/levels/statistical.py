@@ -263,6 +263,10 @@ def _gauss(side: float, fastest: float) -> tuple[Floats, Floats]:
     return side / 2 * (nodes + 1), side / 2 * weights
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Levels that a force on a plate makes in a room with a diffuse field.
+# ----------------------------------------------------------------------------------------------------------------------
+
 P0_SQUARED: Final = (20e-6) ** 2  # Pa^2
 FAST_RATE: Final = 8.0  # 1/s: the meter's 125 ms
 FILTER_RATE: Final = 0.765 * pi  # of the bandwidth: energy of an order-4 Butterworth band pass after a click

@@ -98,6 +98,10 @@ def measured_t60(modes: Decays, centre_hz: float, fraction: Literal[1, 3] = 3) -
     return float(-60 / np.polyfit(t[part], level[part], 1)[0])
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Pressure in a room of any shape, from its modes.
+# ----------------------------------------------------------------------------------------------------------------------
+
 _BATCH: Final = 1 << 23  # complex numbers of one batch
 
 

@@ -305,7 +305,7 @@ def resonances(
     """Poles [m] [1/s] of a room and its walls, what of the pressures of its modes is in each [n, m], and how these
     drive it [m, n].
 
-    absorbed [n, n] : A, of `acoustics.meshed.walls.absorbed` [1/m].
+    absorbed [n, n] : A, of `absorbed` [1/m].
 
     Notes
     -----

@@ -182,7 +182,7 @@ def radiated_power(
     -----
     Over the far field, W = rho c k^2 / (16 pi^2) int |Q(e)|^2 d Omega on the whole sphere, of which the baffled surface
     fills one half and its mirror the other; Q(e) = sum of w v exp(j k e . x). By few sources on a grid that radiate as
-    the points do, see `acoustics.open_air.power`: to 1e-8. 200 shapes on 5,000 points of 5 x 4 m at 1,000 frequencies
+    the points do, see `RadiatingSheet`: to 1e-8. 200 shapes on 5,000 points of 5 x 4 m at 1,000 frequencies
     up to 1 kHz take about 1 s.
 
     F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 3.3.

@@ -68,6 +68,10 @@ def on_plane(space: Baffle, points: Floats) -> None:
         )
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# The half space beside a surface in a rigid baffle.
+# ----------------------------------------------------------------------------------------------------------------------
+
 POINTS_PER_WAVE: Final = 6.0  # of the surface, to a wave in air
 NEAR: Final = 2.0  # distances between points within which a receiver hears the points one by one
 _LINES: Final = 64  # frequencies whose phases are made from one table

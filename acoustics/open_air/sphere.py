@@ -99,6 +99,10 @@ def _polynomials(z: Complexes, orders: int) -> Complexes:
     return made[:orders]
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A rigid sphere that is pushed along the normal of a rigid plane.
+# ----------------------------------------------------------------------------------------------------------------------
+
 HIGHEST_KA: Final = 24.0  # circumference over the wavelength up to which a sphere is heard
 TOUCHING: Final = 1e-6  # share of the radius by which a sphere may dip into the plane: rounding
 UNSAMPLED: Final = 1e-3  # share of an acceleration's energy that may lie above 0.8 of half the sampling

@@ -55,7 +55,7 @@ def room_ways(room: Box, surface: SurfaceShapes, places: Floats, s: Complexes) -
     Notes
     -----
     Cosines that propagate at a frequency, or whose wave falls to no less than 1/100 on its way down to the highest
-    place: levels of third octaves are right to 0.05 dB. `acoustics.rooms.box_pressure` looks for all.
+    place: levels of third octaves are right to 0.05 dB. `pressures` looks for all.
     """
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     nearest = float(room.size[2] - heights.max())
@@ -262,6 +262,10 @@ def energy_of(mix: Floats | None, history: Floats) -> Floats:
     energy: Floats = np.einsum("rn,rn->r", mix @ (history @ history.T), mix)
     return energy.clip(0.0)
 
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Pressure in the room below (or above) a moving surface, in time and frequency.
+# ----------------------------------------------------------------------------------------------------------------------
 
 LEAST_DRIVE: Final = 1e-9  # share of the velocity below which a cosine is not driven: symmetry, but for rounding
 NEGLIGIBLE: Final = 1e-9  # share of the summed velocity spectrum above the highest frequency that is evaluated
@@ -611,7 +615,7 @@ class RoomTransfer:
 def search(
     surfaces: Sequence[SurfaceVelocity], room: Box, receivers: Sequence[Receiver], up_to_hz: float = inf
 ) -> tuple[list[RoomResponse], RoomTransfer | None]:
-    """Pressures as `acoustics.rooms.box_pressure.pressures` has them, and the transfer through the cosines they took.
+    """Pressures as `pressures` has them, and the transfer through the cosines they took.
 
     None for losses of kind ``source``, whose transform has no weighting. Raises AcousticsError as `pressures` does.
     """

@@ -103,6 +103,10 @@ class DofLabels(Sequence[str]):
         raise IndexError(raw)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Elimination of linear equations between degrees of freedom.
+# ----------------------------------------------------------------------------------------------------------------------
+
 NEGLIGIBLE = 1e-12
 """Coefficients below this share of an equation's largest are rounding of direction cosines."""
 RANK = 1e-9

@@ -74,6 +74,10 @@ class Evolution:
         self._algorithm.tell(infills=self._asked)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# The front of a study with two or three goals, by NSGA-II.
+# ----------------------------------------------------------------------------------------------------------------------
+
 CROWD: Final = (24, 100)  # designs of a generation, at least and at most
 IDLE: Final = 10  # generations in a row without a design that was not tried before, after which there are none left
 

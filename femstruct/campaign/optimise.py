@@ -195,6 +195,10 @@ def _missing(search: Search, rows: list[Row]) -> str:
     return ""
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# The best design of a study.
+# ----------------------------------------------------------------------------------------------------------------------
+
 scipy_optimize: Any = optimize  # its types know nothing of vectorised functions
 EVERYWHERE: Final = 0.7  # of the runs, for the search in all of the ranges
 GENERATIONS: Final = 8  # of the search everywhere, about; a larger crowd sees more than a longer search

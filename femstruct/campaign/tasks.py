@@ -122,6 +122,10 @@ def _chosen(one: Listed, numbers: Sequence[int]) -> tuple[Sequence[str], Floats]
     return [one.texts[i] for i in numbers], values[list(numbers)]
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A campaign as tasks.
+# ----------------------------------------------------------------------------------------------------------------------
+
 AT_ONCE: Final = 4  # samples of a task at most: what a kill costs
 BASES: Final = 4  # kept by a process
 

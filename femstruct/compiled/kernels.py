@@ -130,6 +130,10 @@ def laid_out(layout: TupleLayout, values: Sequence[Any], alive: list[Any]) -> in
     return int(words.ctypes.data)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Kernels, and units of them.
+# ----------------------------------------------------------------------------------------------------------------------
+
 F = TypeVar("F", bound=Callable[..., object])
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -237,7 +237,7 @@ def _steps(array: Floats) -> Integers:
 #
 # Shape functions come as arrays with those of the corners first and those of the sides behind, 1 in the middle of their
 # side; side k runs from corner k to the next. Own DOFs are in the order of
-# `femstruct.elements.flat_elements.own_motion`: all w, all beta_x, all beta_y, all u, all v, all RZ.
+# `own_motion`: all w, all beta_x, all beta_y, all u, all v, all RZ.
 # ----------------------------------------------------------------------------------------------------------------------
 
 

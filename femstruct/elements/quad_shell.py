@@ -19,7 +19,7 @@ which the corners go counterclockwise. Rigidities are given in these axes, one f
 A positive M stretches the side of positive z, where u = u0 + z RY. Rigidities of other directions are brought there
 by `turned` and `angles` of the same module.
 
-References: see `femstruct.elements.membrane` and `femstruct.elements.quad_shell`; R. H. MacNeal, R. L. Harder,
+References: see `femstruct.elements.membrane` and, for MITC4, below; R. H. MacNeal, R. L. Harder,
 Finite Elements in Analysis and Design 1 (1985) 3-20, doi:10.1016/0168-874X(85)90003-4.
 """
 
@@ -77,6 +77,10 @@ def shear_rows(corners: Floats, xi: Floats, eta: Floats) -> tuple[Floats, Floats
     rows[:, :, 0], rows[:, :, 1], areas = gradients(corners, xi[..., 0], eta[..., 0], (along_xi, along_eta))
     return rows, areas
 
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Quadrilaterals of shells, flat or warped.
+# ----------------------------------------------------------------------------------------------------------------------
 
 N_DOFS: Final = 24
 # Of DOFs in own axes, in the order of `own_motion`.

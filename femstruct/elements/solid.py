@@ -11,7 +11,7 @@ hex27   triquadratic                                  the solid, O(h^4)
 ======  ============================================  ==================================================
 
 The DOFs are ux uy uz of each node in global axes. Nodes, shape functions and quadrature are those of
-`femstruct.elements.solid`; elasticities stand in `femstruct.elements.solid`.
+scikit-fem; elasticities are made by `hooke`.
 
 The stiffness of hex8 has the nine incompatible modes of Wilson with Taylor's correction, which makes it pass the
 patch test in any shape: a plain trilinear cell bends as if it were many times stiffer. They are condensed; mass and
@@ -37,7 +37,7 @@ from femstruct.elements.polynomials import positive
 from femstruct.errors import InputError
 
 # ----------------------------------------------------------------------------------------------------------------------
-# Hooke's law of isotropic and orthotropic solids, in the order xx yy zz xy yz zx of `femstruct.elements.solid`.
+# Hooke's law of isotropic and orthotropic solids, in the order xx yy zz xy yz zx.
 # ----------------------------------------------------------------------------------------------------------------------
 
 
@@ -222,6 +222,10 @@ def at_quadrature(kind: str) -> tuple[Floats, Floats, Floats]:
     at, weights = quadrature(kind)
     return *shapes(kind, at), weights
 
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Solid elements in three dimensions, isoparametric.
+# ----------------------------------------------------------------------------------------------------------------------
 
 AT_ONCE: Final = 256
 """Cells that are integrated at once: strain rows of hex27 at all points take 105 kB a cell."""

@@ -1,7 +1,7 @@
 """Flat triangles of shells: membrane with drilling rotation, bending and transverse shear; the fillers beside quads.
 
-Membrane action is Felippa's optimal triangle (OPT, `femstruct.elements.triangle_shell`), bending and shear Katili's
-DKMT (`femstruct.elements.triangle_shell`), for thin and thick shells; both converge with h^2. Use quadrilaterals
+Membrane action is Felippa's optimal triangle (OPT), bending and shear Katili's DKMT, for thin and thick shells; both
+converge with h^2. Use quadrilaterals
 where it can be: thin twisted or doubly curved shells of triangles are far too stiff on coarse meshes (a strip
 twisted by 90 degrees, 12 x 2, moves a twentieth of what it should), since flat triangles cannot bend there without
 stretching. Their moments converge with h alone, and their shear forces in thin plates stay a tenth off.
@@ -190,6 +190,10 @@ def _carried(c: Floats, s: Floats, at: Floats) -> Floats:
     result: Floats = own + np.roll(before, -1, axis=3)
     return result
 
+
+# ----------------------------------------------------------------------------------------------------------------------
+# Flat triangles of shells.
+# ----------------------------------------------------------------------------------------------------------------------
 
 N_DOFS: Final = 18
 MIDDLES: Final = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])

@@ -292,6 +292,10 @@ def _read(path: Path, reader: Callable[[], Any]) -> Any:
         raise InputError("", got=f"'{path.name}', which cannot be read ({error})", expected=EXPECTED) from None
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# M, C, K of another program, or those that `femstruct export` and `femstruct reduce` wrote, from files.
+# ----------------------------------------------------------------------------------------------------------------------
+
 FORMAT: Final = "femstruct matrices 1"
 LARGEST: Final = 4 * 2**30  # bytes of a file
 MATRICES: Final = ("M", "C", "K", "T")

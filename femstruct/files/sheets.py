@@ -61,6 +61,10 @@ def _beside_rows(one: Beside) -> Iterable[tuple[object, ...]]:
     )
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Results as plain tables for a spreadsheet.
+# ----------------------------------------------------------------------------------------------------------------------
+
 Cell = str | float | int | bool | None
 _Row = tuple[tuple[str, ...], tuple[str, ...], Table]  # titles, names, numbers
 BANDS: Final[tuple[tuple[str, ...], ...]] = (  # sheet, table of the summary, what of it

@@ -199,6 +199,10 @@ def write_shares(target: h5py.Group, shares: SurfaceShares) -> None:
     write_described(target, shares)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# The numbers of a study as plain tables, ready for JSON.
+# ----------------------------------------------------------------------------------------------------------------------
+
 Table = dict[str, Any]
 
 

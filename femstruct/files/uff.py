@@ -198,6 +198,10 @@ def write_sets(sets: Iterable[Set], path: Path) -> None:
             piece.unlink(missing_ok=True)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Measured modes, frequency responses and histories from universal files, through pyuff.
+# ----------------------------------------------------------------------------------------------------------------------
+
 NODES, TRACES, SHAPES, FUNCTIONS, UNITS = (15, 2411), 82, (55, 2414), 58, 164
 CELLS, SYSTEMS = 2412, 2420
 KNOWN: Final = (*NODES, TRACES, *SHAPES, FUNCTIONS, HEADER, UNITS, CELLS, SYSTEMS)

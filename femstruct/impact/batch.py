@@ -289,6 +289,10 @@ def _flags(
     return {"failed": failed, **{code: flags & ~failed for code, flags in found.items()}}
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Thousands of impacts on one basis, a row of numbers each.
+# ----------------------------------------------------------------------------------------------------------------------
+
 CHUNK, EXACT_CHUNK = 64, 512  # runs between two looks at the keyboard; those of the exact march are short
 CHUNKS = 4  # of every thread, at least, where runs differ in length
 LISTENED = 8  # runs whose pushes are in memory at once, of every thread

@@ -159,6 +159,10 @@ def _with(scene: Scene, place: Place, value: float) -> Scene:
     return replace(scene, **changed)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Many runs of one scene, a row of metrics each.
+# ----------------------------------------------------------------------------------------------------------------------
+
 STATUS, STEPS, RESIDUAL, SEPARATED, FIRST = 0, 1, 2, 3, 4  # columns; then what `columns` says
 
 

@@ -767,6 +767,11 @@ def largest(c: Floats, known: float, order: int, rule: ExactRule, slope: Floats)
     return (value, where) if value > known else (known, -1.0)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# The exact march.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
 @unit(seconds=11.0)
 def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, record: RunRecord, end: float,
                 interval: float, longest: float, max_steps: int) -> int:  # fmt: skip

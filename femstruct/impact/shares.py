@@ -68,6 +68,10 @@ def _power(response: Response, damping: Floats) -> Floats:
     return power
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Where the structure's energy is.
+# ----------------------------------------------------------------------------------------------------------------------
+
 ALONE = 10  # elastic modes that are told one by one
 EXACT = 3e-14  # relative tolerance from a sample to the instant: the least that the integrator takes
 FASTEST = 1e-3  # of the largest speed of the run: what a motion is small against that has come to rest

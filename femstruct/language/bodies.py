@@ -193,6 +193,10 @@ def _dropped(name: str) -> dict[str, Any]:
     return {"mass": source.mass, "drop_height": source.drop_height, "contact": contacts[name]}
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Bodies as they are written.
+# ----------------------------------------------------------------------------------------------------------------------
+
 SIDES: tuple[BodySide, ...] = get_args(BodySide)
 FAST = "a plain number is in metres a second: did you mean {number:g} mm/s?"
 HIGH = "a plain number is in metres: did you mean {number:g} mm? For a high speed give 'speed'"

@@ -114,6 +114,10 @@ def need_losses(here: Here, name: str | None, given: bool) -> None:
     )
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Materials as they are written.
+# ----------------------------------------------------------------------------------------------------------------------
+
 _MODULUS, _RATIO = Quantity(("pressure",), above=0.0), Quantity(("ratio",))
 Modulus = Annotated[float, _MODULUS]
 Density = Annotated[float, Quantity(("density",), least=0.0)]

@@ -164,6 +164,10 @@ class SurfaceSpec(Spec):
         here.at("region").need(not self.region.is_line, "a rim or line", "an area", do)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Supports as they are written.
+# ----------------------------------------------------------------------------------------------------------------------
+
 THICKEST: Final = 3.0  # m: no wall of a building is thicker
 MOST_WALLS: Final = 4  # two plates go on from an edge in each of two directions
 

@@ -271,6 +271,11 @@ def _dropped(study: StudySpec, names: Names, drop: int) -> StudySpec:
     return study.model_copy(update={"bodies": bodies, "record": record, "limits": limits})
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A study file as a whole.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
 def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     """Every name it uses is there, of the right kind, and its keys agree with each other and with the model.
 

@@ -84,6 +84,10 @@ def sign_of(shape: Floats) -> float:
     return float(np.sign(shape[np.argmax(size >= 0.999 * size.max())]))
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Structures known in closed form, with the same interface.
+# ----------------------------------------------------------------------------------------------------------------------
+
 Axis = Literal["x", "y", "z"]
 Points = dict[str, Point]
 _AXES: Final = ("x", "y", "z")

@@ -111,6 +111,10 @@ def _told(first: float, last: float) -> str:
     return f"at {low} Hz" if low == high else f"from {low} to {high} Hz"
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Damping laws, given to a basis after it is solved, and carried from one basis to another by mode shape.
+# ----------------------------------------------------------------------------------------------------------------------
+
 _NEAR = 0.05  # how far mode N may be from where its damping was measured
 _MIN_MAC = 0.5  # the least MAC at which two shapes count as the same mode
 

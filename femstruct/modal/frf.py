@@ -100,6 +100,10 @@ def of_motion(row: Floats) -> Rows:
     return row.astype(np.complex128), still, still
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Frequency responses.
+# ----------------------------------------------------------------------------------------------------------------------
+
 FrfKind = Literal["receptance", "mobility", "accelerance", "transmissibility"]
 _PER_SECOND: Final[dict[FrfKind, str]] = {"receptance": "", "mobility": "s", "accelerance": "s^2"}
 KINDS: Final[tuple[FrfKind, ...]] = (*_PER_SECOND, "transmissibility")

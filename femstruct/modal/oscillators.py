@@ -386,6 +386,10 @@ def _slowest(omega: Floats, damping: Floats) -> Floats:
     return slow
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Modes that damping couples, as oscillators that do not know each other.
+# ----------------------------------------------------------------------------------------------------------------------
+
 APART: Final = 1e-14  # of the root of both their own damping: what couples two modes less than that is rounding
 FREE: Final = 1e-13  # of the largest damping of modes without stiffness: one that is held by less is free
 UNDAMPED: Final = 1e-12  # of a frequency: a rate below zero that is rounding

@@ -168,6 +168,10 @@ class Tally:
         return tuple(sorted(every, key=lambda one: (_ORDER.index(one.makes), one.line)))
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A mesh as its file has it.
+# ----------------------------------------------------------------------------------------------------------------------
+
 T = TypeVar("T")
 CONSISTENT: Final[Mapping[float, float]] = {1.0: 1.0, 1e-3: 1e3}  # kg in the unit of mass of files in metres and in mm
 
@@ -281,7 +285,7 @@ class ImportedMesh:
     """A mesh from a file, in metres.
 
     source : the file's name. points [n, 3] : nodes [m]; numbers [n] : what the file calls them.
-    cells : rows of points [m, k] by kind (`femstruct.model.imported_mesh`); cell_numbers : by kind, what the file
+    cells : rows of points [m, k] by kind of cell; cell_numbers : by kind, what the file
     calls them [m]. node_sets : rows of points by name. cell_sets : by name, rows of the cells of each kind.
     merged : cells that the file has several times, of which one is kept each.
     scale : metres in the unit of length of the file.

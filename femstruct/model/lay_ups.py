@@ -158,6 +158,10 @@ def _turned(of: PlateSection | SectionShare, angle: float) -> dict[str, Any]:
     return {**in_plane, "As": laminate.turned_shear(of.As, angle)}
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What a plate can be made of beside one material.
+# ----------------------------------------------------------------------------------------------------------------------
+
 SHEAR_FACTOR = 5.0 / 6.0  # of a homogeneous plate: a parabola of shear stress
 
 

@@ -295,6 +295,10 @@ def _pass_on(axes: dict[Key, GridAxis], line: SharedLine) -> bool:
     return axes[target.key].require(*np.clip(moved, 0.0, axes[target.key].length).tolist())
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Where the nodes of parts are, while it is being decided.
+# ----------------------------------------------------------------------------------------------------------------------
+
 Grids = Mapping[Key, Floats]
 """Grid lines [n] of every side of a rectangle and every straight piece of bars, from its start [m]."""
 

@@ -295,6 +295,11 @@ def _refuse_apart(layout: Layout, joint: Joint, distance: float, do: str | None 
         )
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# The structured mesher.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
 def mesh_structure(structure: Structure) -> Model:
     """The meshed model of a structure.
 

@@ -56,6 +56,11 @@ class Mesh:
         return len(self.points)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# The model: a structure with its mesh, its parts, and what is fastened to their nodes.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
 @stored_as("meshed model/1")
 @dataclass(frozen=True, eq=False)
 class Model:

@@ -1,6 +1,6 @@
 """What a kind of part offers to the rest of the program. The kinds stand in `femstruct.parts`, one file each.
 
-A `Part` is described, a `Meshed` part has nodes (`femstruct.model.part`). Whoever adds a kind overrides what it
+A `Part` is described, a `Meshed` part has nodes. Whoever adds a kind overrides what it
 has; what it has not is nothing. The way of a part, in order::
 
     corners, body              how large it is, what it fills                  before there is a mesh
@@ -481,6 +481,11 @@ class FilledBox(NamedTuple):
     axes: Floats
     size: Floats
     across: int | None
+
+
+# ----------------------------------------------------------------------------------------------------------------------
+# What a kind of part offers to the rest of the program.
+# ----------------------------------------------------------------------------------------------------------------------
 
 
 class Part:

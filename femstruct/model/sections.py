@@ -30,7 +30,7 @@ class Section:
 
     Raises InputError for a constant that is not positive.
 
-    An IPE 100 by its table; `femstruct.model.sections` has `rectangle`, `circle`, `tube` and others by their sides:
+    An IPE 100 by its table; `rectangle`, `circle`, `tube` and others make them of their sides:
 
     >>> Section("IPE 100", A=10.3e-4, Iy=171e-8, Iz=15.9e-8, J=1.2e-8, ky=0.55, kz=0.40).ky
     0.55

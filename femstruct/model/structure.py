@@ -164,6 +164,10 @@ class AirBetween:
             )
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What a structure is, before it is meshed.
+# ----------------------------------------------------------------------------------------------------------------------
+
 Fix = Literal["simple", "simple soft", "simple hard", "clamped", "roller"]
 SOFT: Final = "simple soft"
 HARD: Final = "simple hard"

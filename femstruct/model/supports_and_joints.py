@@ -147,6 +147,10 @@ def shared_tie(shared: SharedNodes, model: Model) -> Tie:
     return Tie(shared.name, csr_array(one - other), directions, grounded=False)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What holds parts.
+# ----------------------------------------------------------------------------------------------------------------------
+
 _SIX = 6
 TOUCH = 4.0  # tolerances: places of two parts that are nearer touch, as in `coincident_pairs`
 CARRIED = 3  # nodes of a solid that hold the rotation of the one they follow

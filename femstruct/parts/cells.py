@@ -143,6 +143,10 @@ class MeshPart(GivenNodes):
         return frozenset(own)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Parts of mesh files with their nodes.
+# ----------------------------------------------------------------------------------------------------------------------
+
 ORDER: Final = 2  # Gauss points a direction in each facet of a surface: its deflection is bilinear
 CLOSED: Final = 1e-3  # of its area: a surface whose normals add to less has no side
 

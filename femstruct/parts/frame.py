@@ -432,6 +432,10 @@ def frames_of(model: Model) -> list[FrameMesh]:
     return [part for part in model.parts.values() if isinstance(part, FrameMesh)]
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Frames.
+# ----------------------------------------------------------------------------------------------------------------------
+
 MOST_BARS = 100_000  # more is a slip of a unit, and does not fit into memory
 
 

@@ -734,6 +734,10 @@ def rigid_plates(model: Model) -> dict[str, PlateMesh]:
     return {part.name: part for part in plates_of(model) if part.rigid_in_plane}
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Plates.
+# ----------------------------------------------------------------------------------------------------------------------
+
 InPlane = Literal["elastic", "rigid"]
 
 

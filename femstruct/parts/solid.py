@@ -144,6 +144,10 @@ class SolidMesh(CellsMesh):
         return StressPlaces(self.places, STRESSES, csr_array(mean @ every_cell), ("",), every_cell, owner)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Solids.
+# ----------------------------------------------------------------------------------------------------------------------
+
 STIFF: Final = "tet4"  # many times too stiff in bending, whatever the shape of the cells
 
 

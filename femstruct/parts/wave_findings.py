@@ -158,6 +158,10 @@ def _cells(solid: SolidMesh) -> tuple[Floats, Floats]:
     return np.concatenate(needed), np.concatenate(sides)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Meshes and theories beside the waves of the highest frequency.
+# ----------------------------------------------------------------------------------------------------------------------
+
 CELLS_PER_WAVE = 6.0  # bending wavelengths of bfs16 and acm12 are right to about 1 % with six cells
 NO_WAVE = 2.0  # cells a wave below which it is none any more: modes there are those of the mesh
 SLENDER = (

@@ -194,7 +194,7 @@ def velocity_per_source(
     The pressure of the source on surfaces that are held, integrated over them with the shapes of the modes, is a force
     on the modes, out of the room. The air's answer to the motion that follows is in the modes of a coupled basis, so
     that nothing more acts. By reciprocity the result is minus the pressure at the source's place per force on the
-    structure (`femstruct.sound.surfaces.pressure_per_force`), which is computed without any of this.
+    structure (`pressure_per_force`), which is computed without any of this.
 
     A source at 1 Hz in half a cubic metre of sealed air, on which a rigid square of 1 kg floats, with a natural
     frequency of 19.4 Hz. It is lifted by the volume over its area, 4 / m^2, and 1/(1 - (1/19.4)^2) times that:

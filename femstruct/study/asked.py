@@ -50,6 +50,10 @@ class FatigueRequest:
     under: str = ""
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What is asked of a study.
+# ----------------------------------------------------------------------------------------------------------------------
+
 FEWEST_ROOMS: Final = 3  # whose spread means something
 VOLUME_VELOCITY: Final = "volume_velocity"  # of a point source in a room
 SETTLED: Final = "settled"  # the limit of the time to rest

@@ -57,6 +57,10 @@ def _fonts() -> list[str]:
     return [_OWN, *(name for name in _FALLBACKS if name in there)]
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What all figures share.
+# ----------------------------------------------------------------------------------------------------------------------
+
 BASELINE: Final = "#222222"
 COLOURS: Final = ("#0072b2", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#cc79a7", "#8c564b", "#7f7f7f")
 """Okabe and Ito's colours, told apart by colour-blind readers; each pair also in grey."""

@@ -445,6 +445,10 @@ def _room(plotter: Any, plan: RoomPlan, room: Placed, before: str) -> list[Label
     return [*named, *_marks(plotter, receivers, ROOM)]
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Pictures in three dimensions.
+# ----------------------------------------------------------------------------------------------------------------------
+
 MOST_MODES: Final = 12
 PANE: Final = (340, 300)  # pixels of one mode
 DIVISIONS: Final = 3

@@ -454,6 +454,10 @@ def _modes(basis: ModalBasis) -> list[str]:
     return found
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A study's results as one page, for a browser and for paper.
+# ----------------------------------------------------------------------------------------------------------------------
+
 _NO_FILES: Final[Mapping[str, bytes]] = MappingProxyType({})
 
 

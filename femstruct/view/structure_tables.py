@@ -67,6 +67,10 @@ def _number(value: float) -> str:
     return f"{value:.4g}" if value else "0"
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What a person reads of a structure.
+# ----------------------------------------------------------------------------------------------------------------------
+
 Row = Mapping[str, Any]
 LIKE = 0.5  # the least likeness at which two shapes count as the same mode, as for damping that follows its mode
 NO_DAMPING = 1e-10  # of a ratio: what rounding leaves of none

@@ -384,6 +384,11 @@ def impact_alone(case: Case, key: str, places: Places, basis: ModalBasis, scene:
     )
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# One case of a study through all its stages.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
 def run_case(
     case: Case,
     solved: Mapping[str, Solved],

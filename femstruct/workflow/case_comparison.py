@@ -137,6 +137,10 @@ def spectral_size(values: Floats, sampling: float, frequency: float) -> float:
     return float(abs(values @ turns - 0.5 * values[0])) / sampling
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Cases beside their baseline.
+# ----------------------------------------------------------------------------------------------------------------------
+
 NO_NODE: Final = "modes are not compared: the structures have no node in common"
 SAME: Final = 1e-9  # relative rounding of a duration
 

@@ -90,6 +90,10 @@ def weight_findings(rest: tuple[Sag, ...]) -> tuple[Finding, ...]:
     )
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What a file means, without hitting anything.
+# ----------------------------------------------------------------------------------------------------------------------
+
 Table = dict[str, Any]
 FEWER: Final = (10, 3)  # modes of a model where as many as usual do not converge
 

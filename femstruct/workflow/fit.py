@@ -371,7 +371,7 @@ def fit(
     Intervals are p +- t s sqrt(diag (J^T J)^-1), t of Student's distribution for N - p degrees of freedom, s^2 the
     residual variance, J from central differences. They assume that the model is right, that its history is nearly
     linear in the parameters over the interval, and that the noise is normal, the same at all samples, and independent
-    from one sample to the next; `femstruct.workflow.fit` says where that is not so. Of a parameter at
+    from one sample to the next; `fit_findings` says where that is not so. Of a parameter at
     zero only the upper end means something. Combinations that the data leave open stay where they start: `Fit.open`.
 
     References

@@ -65,6 +65,11 @@ def duration(seconds: float) -> str:
     return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# Where a result comes from, and the CPU seconds that its stages took.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
 def provenance(command: str) -> dict[str, str]:
     """Versions, platform, time and command line of a run."""
     return _versions() | {

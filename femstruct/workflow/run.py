@@ -273,6 +273,11 @@ class KeptStages:
     reused: str = "nothing"
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A study, run: modes, responses, impacts, rooms and levels of every case.
+# ----------------------------------------------------------------------------------------------------------------------
+
+
 def run_study(plan: Plan, progress: Progress = lambda line: None, command: str = "") -> StudyResult:
     """All stages of all cases of a study, and their comparison.
 

@@ -211,6 +211,10 @@ def unheld_findings(model: Model, joined: Iterable[tuple[str, str]], studies: Se
     return found
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# All there is to know of a structure before anything hits it, in two functions.
+# ----------------------------------------------------------------------------------------------------------------------
+
 HIGH_DROP, FAST = 10.0, 50.0  # m and m/s: from here on air counts, or a unit was mistaken
 OVERDAMPED = 0.25  # damping ratio of all modes: earth dams in strong earthquakes reach it
 FAR = 0.1  # of the size of a structure: springs that sag by more have a slip of a unit, or are to stand for none

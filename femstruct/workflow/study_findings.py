@@ -191,6 +191,10 @@ def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) 
     ]
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# What a study's own numbers say against it before anything is computed.
+# ----------------------------------------------------------------------------------------------------------------------
+
 SAMPLES_OF_A_LOAD = 10  # in the shortest load: the peak of a half sine between samples is then missed by 1 %
 
 

@@ -182,6 +182,10 @@ class Needs:
         return (f"time.sampling={self.sampling!r}", f"time.duration={self.duration!r}")
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# A model or a study computed with trial values of its parameters, and how its matrices change with each of them.
+# ----------------------------------------------------------------------------------------------------------------------
+
 STEP: Final = 1e-2  # of a parameter, between assemblies: polynomials are exact, others to its fourth power
 KEPT: Final = 4  # trials
 

@@ -291,6 +291,10 @@ class Here:
             self.wrong(got, "a direction of a point", nearest(name, sorted(places)) or "there are no points", of_key)
 
 
+# ----------------------------------------------------------------------------------------------------------------------
+# YAML files as plain trees that remember the line and column of every key and value.
+# ----------------------------------------------------------------------------------------------------------------------
+
 LARGEST_FILE: Final = 500_000  # bytes; a minute of reading at the worst, and far more than any model needs
 LARGEST_TREE: Final = 100_000  # values, aliases followed
 DEEPEST: Final = 40
