@@ -287,6 +287,8 @@ def test_what_finds_no_partner_is_said_with_its_length_or_area() -> None:
         joint = fs.Joint("j", "sheet", "cube", kind="pinned" if lying else "rigid")
         return fs.mesh_structure(fs.Structure("s", parts, (joint,)))
 
+    joined = joined_over(on_cube(5, 1.0, lying=False))["j"]
+    assert (joined.size, joined.of) == pytest.approx((0.0, 1.0), abs=1e-9)  # rounding
     found = told(on_cube(5, 1.0, lying=False))
     assert (found["free"], found["touching"]) == (4, 6)
     assert (found["open_m"], found["touching_m"]) == pytest.approx((1.0, 1.0), rel=1e-9)  # rounding

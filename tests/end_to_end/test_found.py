@@ -85,6 +85,8 @@ def test_every_file_that_is_found_belongs_to_a_test() -> None:
         ("points/pushed/4", "points/pulled/4", "got pulled of points/pulled/4, expected one of pushed"),
         ("points/pushed/4", "points/pushed", "value: "),
         ("pushed.x=10 kN", "pulled.x=10 kN", "ended with 2"),
+        ("right: 5.0e-4", "right: 0.5 mm", "expected 'right' as a number in the unit of the answer"),
+        (" %", "", "expected a share such as '0.5 %'"),
         ("within:", "about:", "expected ['right', 'run', 'value', 'why', 'within']"),
     ],
 )

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import verify
 
 from tests.independent.frames import Tube, clamped_frequencies, tip_at_rest
 from tests.machine import coverage, running
@@ -61,6 +62,23 @@ def _spin() -> np.ndarray:
 
 def _told() -> np.ndarray:
     raise Refused("no")
+
+
+def test_a_capability_that_does_not_exist_is_answered_with_those_that_do(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["verify.py", "--capability", "nosuch", "--seconds", "1"])
+    with pytest.raises(SystemExit):
+        verify.main()
+    assert "got nosuch" in (told := capsys.readouterr().err) and NAME in told
+
+
+def test_lines_that_checks_of_a_capability_reach_are_put_together() -> None:
+    found = [
+        running.Checked("a", 0, "right", seconds=3.0, lines={"x.py": [1, 2]}),
+        running.Checked("a", 1, "right", seconds=2.0, lines={"x.py": [2, 5], "y.py": [7]}),
+    ]
+    assert running.reached(found) == {"a": {"seconds": 2.0, "lines": {"x.py": [1, 2, 5], "y.py": [7]}}}
 
 
 def test_interval_of_a_rate() -> None:
