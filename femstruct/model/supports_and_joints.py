@@ -219,7 +219,10 @@ def _named(item: Support) -> object:
     return {**dict.fromkeys(SIMPLE, DIRECTIONS[:3]), "clamped": DIRECTIONS}.get(str(item.fix), item.fix)
 
 
-def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elastic | None]:
+Joined = tuple[Tie | None, Elastic | None]  # what a joint holds at zero, and what it springs
+
+
+def joint(item: Joint, model: Model, tolerance: float) -> Joined:
     """Equations, and springs where a stiffness is given, between the coincident nodes of two parts.
 
     A block takes along the nodes of the other part that lie in it. A rigid joint of two parts along a line also
@@ -227,60 +230,73 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
 
     Bars on a plate that stretches are tied to it as `femstruct.model.plates_and_bars` says.
     """
+    parts = _joined_parts(item, model)
+    springs = _springs_of(item)
+    unlike = _across_unlike_meshes(item, parts, springs, model, tolerance)
+    return _at_nodes(item, parts, springs, model, tolerance) if unlike is None else unlike
+
+
+def _joined_parts(item: Joint, model: Model) -> tuple[Meshed, Meshed]:
+    """The two parts of a joint. Raises InputError for one that is unknown, and for nodes without rotations in a joint
+    that holds these: only the surface of one solid resists the rotation of what is joined to it."""
     where = f"joints.{item.name}"
     for end in (item.a, item.b):
         if end not in model.parts:
             raise InputError(where, got=f"'{end}'", expected=f"a part with nodes: {some_of(model.parts)}")
-    one, other = model.parts[item.a], model.parts[item.b]
-    hinged = [part for part in (one, other) if not part.has_rotations]
+    parts = model.parts[item.a], model.parts[item.b]
+    hinged = [part for part in parts if not part.has_rotations]
     if item.kind != "pinned" and (len(hinged) > 1 or not all(part.has_surface for part in hinged)):
         names = " and ".join(part.name for part in hinged)
         raise InputError(where, got=f"{item.kind}, and nodes of {names} that have no rotations", expected="pinned")
+    return parts
+
+
+def _springs_of(item: Joint) -> tuple[list[int], Floats]:
+    """Directions in which a joint is a spring, out of six, and the stiffness of each."""
+    where = f"joints.{item.name}"
     springy = listed(where, tuple(item.stiffness))
     values = np.array([item.stiffness[DIRECTIONS[number]] for number in springy])
     if not (values >= 0).all():
         raise InputError(f"{where}.stiffness", got=f"{values.min():g}", expected="values >= 0")
-    if item.reach is None and not hinged:
-        nodes = joined_nodes(item, item.a, model, tolerance), joined_nodes(item, item.b, model, tolerance)
-        line = unlike_line((one, other), nodes, TOUCH * tolerance, model.mesh.points)
-        if line is not None:
-            return _along_line(item, line, (one, other), (springy, values))
-        for i, both in enumerate(((one, other), (other, one))):
-            feet = feet_beside_nodes(*both, nodes[i], nodes[1 - i], TOUCH * tolerance)
-            if len(feet):
-                return bars_on_cells(item, both, feet, (springy, values), model)
-    if item.reach is None and len(hinged) == 2 and all(part.has_surface for part in hinged):
-        nodes = joined_nodes(item, item.a, model, tolerance), joined_nodes(item, item.b, model, tolerance)
-        area = unlike_area((one, other), nodes, TOUCH * tolerance, model.mesh.points)
-        if area is not None:
-            return _over_area(item, area, (springy, values))
-    boxes = [part for part in (one, other) if part.box is not None]
-    pairs = box_pairs(item, model, tolerance) if boxes else coincident_pairs(item, model, tolerance)
-    one, other = (part.around(nodes) for part, nodes in zip((one, other), pairs.T, strict=True))
-    bars, plate = _bars_on(one, other)
-    solid = hinged[0] if hinged else None
-    if solid is not None:
-        at = model.mesh.points[pairs[:, 0 if solid is one else 1]]  # its nodes cannot turn, so they carry no arm
-    elif bars is not None and plate is not None:
-        at = contact(pairs if bars is one else pairs[:, ::-1], bars, plate, model.mesh.points)
-    else:
-        # Where the second node is; a block's is far from what touches it, so then where the other part's is.
-        at = model.mesh.points[pairs[:, 0 if other.box is not None and one.box is None else 1]]
-    # Equations along the axes of a plate couple fewer unknowns than along global axes.
-    axes = next((part.own_axes for part in (one, other) if part.own_axes is not None), np.eye(3))
-    tied = [np.zeros((0, N_COMPONENTS)), *([_tied(_SHIFTS, springy, axes)] if item.kind != "sliding" else [])]
-    rows: list[csr_array] = []
-    if item.kind != "pinned" and solid is not None:
-        rows = [_turned_rows(pairs if solid is other else pairs[:, ::-1], solid, springy, model.mesh.n_nodes)]
-    elif item.kind != "pinned" and bars is not None and plate is not None:
-        rows = turning_rows(pairs if bars is one else pairs[:, ::-1], bars, plate, springy, model.mesh.n_nodes)
-    elif item.kind != "pinned":
-        tied.append(_tied(_ROTATIONS, springy, axes))
-        rows = [] if springy else [(_flat_rows if boxes else _common_rows)(item, model, pairs)]
-    ties = [_relative(item.name, pairs, at, np.concatenate(tied), model)]
-    ties += [Tie(item.name, turns, np.zeros((turns.shape[0], 3)), grounded=False) for turns in rows]
+    return springy, values
+
+
+def _across_unlike_meshes(
+    item: Joint, parts: tuple[Meshed, Meshed], springs: tuple[list[int], Floats], model: Model, tolerance: float
+) -> Joined | None:
+    """The joint where the meshes do not match: along a line of plates and frames, of bars on cells between their nodes,
+    over an area of two solids. None where nodes coincide, or are joined by rigid arms (`reach`)."""
+    rotate = [part.has_rotations for part in parts]
+    solids = not any(rotate) and all(part.has_surface for part in parts)
+    if item.reach is not None or not (all(rotate) or solids):
+        return None
+    nodes = joined_nodes(item, item.a, model, tolerance), joined_nodes(item, item.b, model, tolerance)
+    if solids:
+        area = unlike_area(parts, nodes, TOUCH * tolerance, model.mesh.points)
+        return None if area is None else _over_area(item, area, springs)
+    line = unlike_line(parts, nodes, TOUCH * tolerance, model.mesh.points)
+    if line is not None:
+        return _along_line(item, line, parts, springs)
+    for side in (0, 1):
+        both = parts[side], parts[1 - side]
+        feet = feet_beside_nodes(*both, nodes[side], nodes[1 - side], TOUCH * tolerance)
+        if len(feet):
+            return bars_on_cells(item, both, feet, springs, model)
+    return None
+
+
+def _at_nodes(
+    item: Joint, parts: tuple[Meshed, Meshed], springs: tuple[list[int], Floats], model: Model, tolerance: float
+) -> Joined:
+    """The joint of nodes that coincide, lie in a block or are within reach of each other."""
+    blocks = any(part.box is not None for part in parts)
+    pairs = box_pairs(item, model, tolerance) if blocks else coincident_pairs(item, model, tolerance)
+    parts = parts[0].around(pairs[:, 0]), parts[1].around(pairs[:, 1])
+    at = _touched_places(parts, pairs, model.mesh.points)
+    springy, values = springs
+    ties = _equal_motion(item, parts, pairs, at, springy, model)
     if item.kind == "sliding":
-        across, along = sliding(item, (one, other), pairs, at, model)
+        across, along = sliding(item, parts, pairs, at, model)
         return _together(item.name, [across, *ties]), along
     tie = _together(item.name, ties)
     held = tie if len(tie.directions) else None
@@ -288,18 +304,63 @@ def joint(item: Joint, model: Model, tolerance: float) -> tuple[Tie | None, Elas
         return held, None
     which, shares = np.arange(len(pairs)), np.ones(len(pairs))
     if item.per == "length":
-        which, shares = lengths_of(item, pairs, (one, other), model.mesh.points)
-    relative = _relative(item.name, pairs[which], at[which], np.eye(N_COMPONENTS)[springy], model)
+        which, shares = lengths_of(item, pairs, parts, model.mesh.points)
+    sprung = _relative(item.name, pairs[which], at[which], np.eye(N_COMPONENTS)[springy], model)
     stiffness = np.outer(shares, values).ravel()
-    elastic = Elastic(
-        item.name, relative.rows, stiffness, np.zeros(stiffness.size), relative.directions, grounded=False
-    )
-    return held, elastic
+    nothing = np.zeros(stiffness.size)
+    return held, Elastic(item.name, sprung.rows, stiffness, nothing, sprung.directions, grounded=False)
 
 
-def _along_line(
-    item: Joint, line: Line, parts: tuple[Meshed, Meshed], springs: tuple[list[int], Floats]
-) -> tuple[Tie | None, Elastic | None]:
+def _touched_places(parts: tuple[Meshed, Meshed], pairs: Integers, points: Floats) -> Floats:
+    """Where two parts move alike [m, 3] [m]; their nodes have rigid arms to there."""
+    solid, bars = _side_of_solid(parts), _side_of_bars(parts)
+    if solid is not None:
+        return points[pairs[:, solid]]  # its nodes cannot turn, so they carry no arm
+    if bars is not None:
+        return contact(_led_by(bars, pairs), parts[bars], parts[1 - bars], points)
+    # Where the second node is; a block's is far from what touches it, so then where the other part's is.
+    return points[pairs[:, 0 if parts[1].box is not None and parts[0].box is None else 1]]
+
+
+def _equal_motion(
+    item: Joint, parts: tuple[Meshed, Meshed], pairs: Integers, at: Floats, springy: list[int], model: Model
+) -> list[Tie]:
+    """Shifts that pinned and rigid joints hold at zero, and what rigid and sliding ones hold of the rotations."""
+    # Equations along the axes of a plate couple fewer unknowns than along global axes.
+    axes = next((part.own_axes for part in parts if part.own_axes is not None), np.eye(3))
+    tied = [np.zeros((0, N_COMPONENTS)), *([_tied(_SHIFTS, springy, axes)] if item.kind != "sliding" else [])]
+    solid, bars, n_nodes = _side_of_solid(parts), _side_of_bars(parts), model.mesh.n_nodes
+    rows: list[csr_array]
+    if item.kind == "pinned":
+        rows = []
+    elif solid is not None:
+        rows = [_turned_rows(_led_by(1 - solid, pairs), parts[solid], springy, n_nodes)]
+    elif bars is not None:
+        rows = turning_rows(_led_by(bars, pairs), parts[bars], parts[1 - bars], springy, n_nodes)
+    else:
+        tied.append(_tied(_ROTATIONS, springy, axes))
+        beside = _flat_rows if any(part.box is not None for part in parts) else _common_rows
+        rows = [] if springy else [beside(item, model, pairs)]
+    ties = [_relative(item.name, pairs, at, np.concatenate(tied), model)]
+    return ties + [Tie(item.name, turns, np.zeros((turns.shape[0], 3)), grounded=False) for turns in rows]
+
+
+def _side_of_solid(parts: tuple[Meshed, Meshed]) -> int | None:
+    """Which of two parts is a solid, whose nodes have no rotations; of two solids the first."""
+    return next((side for side in (0, 1) if not parts[side].has_rotations), None)
+
+
+def _side_of_bars(parts: tuple[Meshed, Meshed]) -> int | None:
+    """Which of two parts has bars, where the other is a plate that stretches."""
+    return next((side for side in (0, 1) if len(parts[side].lines) and parts[1 - side].drilling is not None), None)
+
+
+def _led_by(side: int, pairs: Integers) -> Integers:
+    """Pairs of nodes with those of one part first."""
+    return pairs if side == 0 else pairs[:, ::-1]
+
+
+def _along_line(item: Joint, line: Line, parts: tuple[Meshed, Meshed], springs: tuple[list[int], Floats]) -> Joined:
     """A joint along a line on which the meshes of two parts do not match: every node of one follows the other."""
     springy, values = springs
     count = len(line.nodes)
@@ -338,7 +399,7 @@ def _along_line(
     return held, Elastic(item.name, sprung, stiffness, np.zeros(stiffness.size), directions, grounded=False)
 
 
-def _over_area(item: Joint, area: csr_array, springs: tuple[list[int], Floats]) -> tuple[Tie | None, Elastic | None]:
+def _over_area(item: Joint, area: csr_array, springs: tuple[list[int], Floats]) -> Joined:
     """A joint over an area on which the meshes of two solids do not match: every node of one follows the other."""
     refuse_lengths(item, item.per == "length")
     springy, values = springs
@@ -380,14 +441,6 @@ def _tied(kind: list[int], springy: list[int], axes: Floats) -> Floats:
     rows = np.zeros((3, N_COMPONENTS))
     rows[:, kind] = np.eye(3) if set(springy) & set(kind) else axes
     return rows[[number not in springy for number in kind]]
-
-
-def _bars_on(one: Meshed, other: Meshed) -> tuple[Meshed, Meshed] | tuple[None, None]:
-    """Of two parts the one with bars and the plate that stretches; None, None for any others."""
-    for bars, plate in ((one, other), (other, one)):
-        if len(bars.lines) and plate.drilling is not None:
-            return bars, plate
-    return None, None
 
 
 def _held(name: str, nodes: Integers, components: Floats, n_nodes: int) -> Tie:
