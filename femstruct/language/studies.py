@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import Discriminator, Field, Tag, create_model
@@ -189,6 +190,50 @@ def _apart(study: StudySpec, blows: BlowsSpec) -> float:
     return study.time.duration / HAMMERS if alone and study.time is not None else BETWEEN_BLOWS
 
 
+@dataclass(frozen=True)
+class _Arrays:
+    """Arrays of bodies, each of which stands for NAME.1, NAME.2, ...
+
+    bodies : all of the study. sizes : how many bodies each array stands for. several : the same, and points of several
+    places. skipped : places of the target of a source that it struck in earlier drops.
+    """
+
+    bodies: Mapping[str, BodySpec]
+    sizes: Mapping[str, int]
+    several: Collection[str]
+    skipped: Mapping[str, int]
+
+    def member(self, end: str, i: int) -> str:
+        """The i-th of what an end of a contact stands for, from 1: itself where it is single."""
+        return f"{end}.{i}" if end in self.several else end
+
+    def target(self, name: str, i: int) -> str:
+        """What the i-th body of an array moves to."""
+        return self.member(self.bodies[name].target, i + self.skipped.get(name, 0))
+
+    def apart(self, specs: Mapping[str, Joining], names: Names) -> dict[str, Joining]:
+        """Contacts or links with one for each body of an array between whose ends they are, by NAME.1, NAME.2, ..."""
+        found: dict[str, Joining] = {}
+        for name, spec in specs.items():
+            (first, second), counts = spec.between, joined(spec.between, self.sizes, names)
+            for i in range(1, max(counts) + 1) if counts else ():
+                between = self.member(first, i), self.member(second, i)
+                found[f"{name}.{i}"] = spec.model_copy(update={"between": between})
+            if not counts:
+                found[name] = spec
+        return found
+
+    def each(self, target: str, joining: Collection[str]) -> list[str]:
+        """What a record of an array, of its contact or of one of the contacts and links (joining) of its bodies stands
+        for: one of every body, else itself."""
+        if target in self.sizes:
+            return bodies_of({target: self.sizes[target]})
+        for name, size in self.sizes.items():
+            if target == f"{name} on {self.bodies[name].target}":
+                return [f"{name}.{i} on {self.target(name, i)}" for i in range(1, size + 1)]
+        return [name for name in joining if name.rpartition(".")[0] == target] or [target]
+
+
 def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
     """The study with NAME.1, NAME.2, ... in place of every array NAME: its bodies, what joins and pushes them, and what
     is recorded of them. Both ends of a contact or link go along in step; one that is single stays.
@@ -199,60 +244,51 @@ def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
     sizes = array_sizes(study.bodies, names)
     if not sizes:
         return study
-    arrays = {**{name: count for name, count in names.points.items() if count > 1}, **sizes}
+    several = {*(name for name, count in names.points.items() if count > 1), *sizes}
     skipped = dict.fromkeys(drop_counts(study.bodies, names), drop * HAMMERS)
-
-    def nth(end: str, i: int) -> str:
-        return f"{end}.{i}" if end in arrays else end
-
-    def apart(specs: Mapping[str, Joining]) -> dict[str, Joining]:
-        found: dict[str, Joining] = {}
-        for name, spec in specs.items():
-            (first, second), counts = spec.between, joined(spec.between, sizes, names)
-            for i in range(1, max(counts) + 1) if counts else ():
-                found[f"{name}.{i}"] = spec.model_copy(update={"between": (nth(first, i), nth(second, i))})
-            if not counts:
-                found[name] = spec
-        return found
-
-    bodies: dict[str, BodySpec] = {}
-    loads: dict[str, LoadSpec] = {}
-    for name, body in study.bodies.items():
-        for i in range(1, sizes.get(name, 1) + 1):
-            changes: dict[str, object] = {}
-            if name in sizes:
-                changes[body.side] = nth(body.target, i + skipped.get(name, 0))
-            if body.source == TAPPING_MACHINE and body.blows is not None:
-                changes["blows"] = body.blows.model_copy(update={"first": turn(i, _apart(study, body.blows))})
-            bodies[nth(name, i)] = body.model_copy(update=changes)
-    for name, load in study.loads.items():
-        of = sizes.get(load.body or "", 0)
-        loads |= {f"{name}.{i}": load.model_copy(update={"body": f"{load.body}.{i}"}) for i in range(1, of + 1)}
-        if not of:
-            loads[name] = load
-    contacts, links = apart(study.contacts), apart(study.links)
-    own = {f"{name} on {study.bodies[name].target}": name for name in sizes}
-
-    def each(target: str) -> list[str]:
-        """What a record of an array stands for: one of every member, else itself."""
-        if target in sizes:
-            return bodies_of({target: sizes[target]})
-        if target in own:
-            name, on = own[target], study.bodies[own[target]].target
-            return [f"{name}.{i} on {nth(on, i + skipped.get(name, 0))}" for i in range(1, sizes[name] + 1)]
-        return [name for name in (*contacts, *links) if name.rpartition(".")[0] == target] or [target]
-
+    arrays = _Arrays(study.bodies, sizes, several, skipped)
+    contacts, links = arrays.apart(study.contacts, names), arrays.apart(study.links, names)
     record: dict[str, tuple[str, ...]] = {}
     for target, wanted in study.record.items():
-        for one in each(target):  # a member may be named beside its array
+        for one in arrays.each(target, [*contacts, *links]):  # a member may be named beside its array
             record[one] = tuple(dict.fromkeys((*record.get(one, ()), *wanted)))
     limits: dict[str, Measured] = {}
     for name, limit in study.limits.items():
         target, space, what = name.rpartition(" ")
-        for one in each(target) if target else [""]:
+        for one in arrays.each(target, [*contacts, *links]) if target else [""]:
             limits.setdefault(f"{one}{space}{what}", limit)
-    parted = {"bodies": bodies, "contacts": contacts, "links": links, "loads": loads}
+    parted = {
+        "bodies": _each_body(study, arrays),
+        "contacts": contacts,
+        "links": links,
+        "loads": _on_each(study, sizes),
+    }
     return study.model_copy(update={**parted, "record": record, "limits": limits})
+
+
+def _each_body(study: StudySpec, arrays: _Arrays) -> dict[str, BodySpec]:
+    """All bodies, those of an array one by one, each over its own place; hammers strike in turn."""
+    found: dict[str, BodySpec] = {}
+    for name, body in study.bodies.items():
+        for i in range(1, arrays.sizes.get(name, 1) + 1):
+            changes: dict[str, object] = {}
+            if name in arrays.sizes:
+                changes[body.side] = arrays.target(name, i)
+            if body.source == TAPPING_MACHINE and body.blows is not None:
+                changes["blows"] = body.blows.model_copy(update={"first": turn(i, _apart(study, body.blows))})
+            found[arrays.member(name, i)] = body.model_copy(update=changes)
+    return found
+
+
+def _on_each(study: StudySpec, sizes: Mapping[str, int]) -> dict[str, LoadSpec]:
+    """All loads, those on an array one for each of its bodies."""
+    found: dict[str, LoadSpec] = {}
+    for name, load in study.loads.items():
+        of = sizes.get(load.body or "", 0)
+        found |= {f"{name}.{i}": load.model_copy(update={"body": f"{load.body}.{i}"}) for i in range(1, of + 1)}
+        if not of:
+            found[name] = load
+    return found
 
 
 def _dropped(study: StudySpec, names: Names, drop: int) -> StudySpec:
@@ -284,6 +320,29 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     structure = model.structure.type if model.structure is not None else None
     here.need(study.modes or structure, "no modes", "how many modes to use", "add 'modes: {up_to: 3 kHz}'")
     check_references(StudySpec, here)
+    _check_requests(study, here)
+    study.check_campaign(here)
+    sizes = array_sizes(study.bodies, here.names)
+    ends = [*study.bodies, *bodies_of(sizes), "ground"]
+    _check_bodies(study, here, sizes, ends)
+    _check_contacts_and_links(study, here, sizes, ends)
+    _check_one_source_moves(study, here)
+    for name, load in study.loads.items():
+        load.check_in(here.at("loads", name), [*study.bodies, *bodies_of(sizes)])
+    study.initial.check(here.at("initial"))
+    if _check_records(study, here, ends):  # limits are of what is recorded
+        check_limits(here, study.limits, study.record, study.rooms, study.time is not None and study.time.gravity)
+    powers = [one.response for one in study.frf.values() if one.kind == "power"]
+    asked = Asked(study.time, [*study.bodies.values()], powers, study.rooms)
+    for name, room in study.rooms.items():
+        room.check_in(here.at("rooms", name), name, asked)
+    _check_time(study, here, structure)
+    if study.compare is not None and study.cases:
+        here.at("compare", "baseline").known(study.compare.baseline, "case", study.cases)
+
+
+def _check_requests(study: StudySpec, here: Here) -> None:
+    """Note what is wrong with what is asked of frequencies, recorded histories and measured sources."""
     for name, request in study.frf.items():
         request.check_in(here.at("frf", name), study.rooms)
     for key, name, evaluation in study.evaluations():
@@ -295,10 +354,10 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
         excitation.check_in(here.at("vibration", name), study.record, study.rooms)
     for name, source in study.sources.items():
         source.check_in(here.at("sources", name))
-    study.check_campaign(here)
-    sizes = array_sizes(study.bodies, here.names)
-    ends = [*study.bodies, *bodies_of(sizes), "ground"]
-    struck = [name for name, body in study.bodies.items() if body.blows is not None]
+
+
+def _check_bodies(study: StudySpec, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
+    """Note what is wrong with bodies. sizes : of arrays of them. ends : names of bodies and of the ground."""
     for name, body in study.bodies.items():
         own = [name, *members(name, sizes.get(name, 1))]
         laws = [one.law for one in study.contacts.values() if name in one.between]
@@ -316,14 +375,23 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             "a room with 'levels'",
             "add 'levels: [ISO 16283-2, ISO 717-2]' to it",
         )
+
+
+def _check_contacts_and_links(study: StudySpec, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
+    """Note contacts and links that join nothing or contradict each other, and bodies that need one and have none."""
+    lifted = [name for name, body in study.bodies.items() if body.blows is not None]
     for group in ("contacts", "links"):
         for name, one in getattr(study, group).items():
             one.check_ends(here.at(group, name), sizes, ends)
-            one.check_in(here.at(group, name), struck)
+            one.check_in(here.at(group, name), lifted)
     for name, link in study.links.items():
         link.check_tuned(here.at("links", name), study.bodies)
     check_contacts(here, study.contacts, study.bodies)
     _check_strikes(study, here, sizes, ends)
+
+
+def _check_one_source_moves(study: StudySpec, here: Here) -> None:
+    """Note a second source of several places: which of them are struck together would be open."""
     counts = drop_counts(study.bodies, here.names)
     for name in list(counts)[1:]:
         here.at("bodies", name, "above").wrong(
@@ -331,15 +399,10 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             "one",
             f"give '{name}' one place",
         )
-    for name, load in study.loads.items():
-        load.check_in(here.at("loads", name), [*study.bodies, *bodies_of(sizes)])
-    study.initial.check(here.at("initial"))
-    if _check_records(study, here, ends):  # limits are of what is recorded
-        check_limits(here, study.limits, study.record, study.rooms, study.time is not None and study.time.gravity)
-    powers = [one.response for one in study.frf.values() if one.kind == "power"]
-    asked = Asked(study.time, [*study.bodies.values()], powers, study.rooms)
-    for name, room in study.rooms.items():
-        room.check_in(here.at("rooms", name), name, asked)
+
+
+def _check_time(study: StudySpec, here: Here, structure: str | None) -> None:
+    """Note a wrong or absent window, and an accuracy of nothing; structure : its type, where it has no mesh."""
     if study.time is not None:
         study.time.check(here.at("time"))
         study.time.carries(here.at("peaks", "lowpass"), study.peaks.lowpass or 0.0)
@@ -352,14 +415,17 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
             "something to compare",
             "add 'record: {POINT.z: acceleration}'",
         )
-    start = study.initial.velocity or study.initial.rigid
-    heard = study.sources or any(one.of_room for one in study.frf.values())
-    recorded = study.record and not study.vibration
-    moving = study.bodies or study.loads or start or recorded or study.limits or (study.rooms and not heard)
     do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
-    here.need(study.time is not None or not moving, "no time", "how long to simulate", do)
-    if study.compare is not None and study.cases:
-        here.at("compare", "baseline").known(study.compare.baseline, "case", study.cases)
+    here.need(study.time is not None or not _moves(study), "no time", "how long to simulate", do)
+
+
+def _moves(study: StudySpec) -> bool:
+    """Whether something of the study happens in time; rooms of sources, and records of vibration, do not."""
+    start = study.initial.velocity or study.initial.rigid
+    by_frequency = study.sources or any(one.of_room for one in study.frf.values())
+    recorded = study.record and not study.vibration
+    sounding = study.rooms and not by_frequency
+    return any((study.bodies, study.loads, start, recorded, study.limits, sounding))
 
 
 def _check_strikes(study: StudySpec, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
