@@ -25,13 +25,9 @@ from femstruct.impact.scene import (
 from femstruct.language import laws
 from femstruct.language.laws import Ends, LawSpec, Site
 from femstruct.language.not_computed import FALLING_PARTS, instead_of
-from femstruct.language.places import Dashpot, Stiffness
 from femstruct.laws.law import Law
-from femstruct.study.acting import BodySide, Covering, PlacedBody, PlannedContact, PlannedLink, Repeat
-from femstruct.yaml.reader import Here, Names, members
-from femstruct.yaml.spec import (
-    BandFile,
-    Count,
+from femstruct.quantities import (
+    Dashpot,
     Duration,
     Frequency,
     Gap,
@@ -40,6 +36,14 @@ from femstruct.yaml.spec import (
     MassKg,
     Quantity,
     Ratio,
+    Stiffness,
+    refuse,
+)
+from femstruct.study.acting import BodySide, Covering, PlacedBody, PlannedContact, PlannedLink, Repeat
+from femstruct.yaml.reader import Here, Names, members
+from femstruct.yaml.spec import (
+    BandFile,
+    Count,
     Refers,
     Spec,
     Text,
@@ -48,7 +52,6 @@ from femstruct.yaml.spec import (
     by_band,
     kinds_of,
     read_by,
-    refuse,
     word_of,
 )
 from femstruct.yaml.spec import Ends as EndsOfContact

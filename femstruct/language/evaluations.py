@@ -9,8 +9,9 @@ from femstruct.evaluations.perception import HIGHEST_HZ, SAMPLES, PerceptionRequ
 from femstruct.evaluations.shock import SAMPLES as SHOCK_SAMPLES
 from femstruct.evaluations.shock import ShockRequest
 from femstruct.language.window import TimeSpec
+from femstruct.quantities import Band, Ratio
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Band, Count, Ratio, Refers, Spec, Text
+from femstruct.yaml.spec import Count, Refers, Spec, Text
 
 # ----------------------------------------------------------------------------------------------------------------------
 # What every evaluation of a recorded history has in a study file.

@@ -11,8 +11,6 @@ from pydantic import Field, ValidationInfo, field_validator
 from femstruct.errors import shown_as
 from femstruct.files.columns import read_columns
 from femstruct.files.text_tables import beside
-from femstruct.language.materials import Modulus
-from femstruct.language.places import Dashpot, Stiffness
 from femstruct.laws.cubic import Cubic
 from femstruct.laws.flores import Flores
 from femstruct.laws.hertz import Hertz
@@ -23,9 +21,10 @@ from femstruct.laws.linear import Linear
 from femstruct.laws.restitution import dissipation_for
 from femstruct.laws.stop import Stop
 from femstruct.laws.tabulated import Tabulated
+from femstruct.quantities import AnyRatio, Dashpot, Length, Modulus, Quantity, Stiffness, refuse
 from femstruct.units import QuantityError, power_stiffness
 from femstruct.yaml.reader import Here
-from femstruct.yaml.spec import AnyRatio, Flag, Length, Quantity, Spec, Text, read_by, refuse
+from femstruct.yaml.spec import Flag, Spec, Text, read_by
 
 # ----------------------------------------------------------------------------------------------------------------------
 # What every contact law of a study file has, and what it is given to become one.

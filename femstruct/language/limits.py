@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Final, NamedTuple
 
-from pydantic_core import PydanticCustomError
-
 from acoustics.levels.standards import FIELD, RATING
 from femstruct.impact.fatigue import SNLine
 from femstruct.language.rooms import RoomSpec
 from femstruct.language.window import QUANTITIES, TimeSpec
+from femstruct.quantities import Factor, Measured, Quantity, refuse
 from femstruct.study.asked import SETTLED, FatigueRequest
 from femstruct.study.recorded import GROUND_WITH_WEIGHT, WITH_WEIGHT
-from femstruct.units import DIMENSIONS
+from femstruct.units import DIMENSIONS, QuantityError
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Factor, Measured, Quantity, Refers, Spec, Text, read_by, refuse
+from femstruct.yaml.spec import Refers, Spec, Text, read_by
 
 RATED: Final = "rating"  # ROOM rating
 _LINEAR: Final = {
@@ -40,7 +39,7 @@ class _LimitQuantity(Quantity):
         name, given = value if isinstance(value, _Named) else ("", value)
         try:
             return super().read(given)
-        except PydanticCustomError:
+        except QuantityError:
             wanted = _dimension(name)
             if wanted not in LIMITED:
                 raise

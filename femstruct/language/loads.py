@@ -18,23 +18,26 @@ from femstruct.language.requests import spot_of
 from femstruct.language.rooms import RoomSpec
 from femstruct.modal.installed_sources import BandMobility, ForceSource, MeasuredMobility, RigidMass, SourceMobility
 from femstruct.modal.steady import BandSpectrum, Spectrum
-from femstruct.study.acting import MeasuredSource, PlannedLoad, PlannedWalk, Repeat
-from femstruct.study.asked import Vibration
-from femstruct.units import DIMENSIONS, QuantityError, quantity_of
-from femstruct.yaml.reader import Here
-from femstruct.yaml.spec import (
+from femstruct.quantities import (
     FREQUENCY,
     Band,
-    BandFile,
-    Count,
     Duration,
     Frequency,
     Instant,
     MassKg,
     Measured,
-    PointName,
     Quantity,
     Ratio,
+    refuse,
+)
+from femstruct.study.acting import MeasuredSource, PlannedLoad, PlannedWalk, Repeat
+from femstruct.study.asked import Vibration
+from femstruct.units import DIMENSIONS, QuantityError, quantity_of
+from femstruct.yaml.reader import Here
+from femstruct.yaml.spec import (
+    BandFile,
+    Count,
+    PointName,
     Refers,
     Spec,
     SurfaceName,
@@ -43,7 +46,6 @@ from femstruct.yaml.spec import (
     each_band,
     made_of_file,
     read_by,
-    refuse,
     several,
 )
 

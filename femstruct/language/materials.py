@@ -25,18 +25,11 @@ from femstruct.model.materials import (
     measured_losses,
 )
 from femstruct.model.structure import AirBetween, Bays, Fill
+from femstruct.quantities import LENGTH, AnyRatio, Factor, Frequency, Gap, Length, Modulus, Quantity, SideLength, refuse
 from femstruct.yaml.reader import Here, near_name
 from femstruct.yaml.spec import (
-    LENGTH,
-    AnyRatio,
     BandFile,
-    Factor,
-    Frequency,
-    Gap,
-    Length,
     MaterialLossFactor,
-    Quantity,
-    SideLength,
     Spec,
     SurfaceName,
     Text,
@@ -44,7 +37,6 @@ from femstruct.yaml.spec import (
     by_band,
     only,
     read_by,
-    refuse,
     several,
     so_many,
     word_of,
@@ -119,7 +111,6 @@ def need_losses(here: Here, name: str | None, given: bool) -> None:
 # ----------------------------------------------------------------------------------------------------------------------
 
 _MODULUS, _RATIO = Quantity(("pressure",), above=0.0), Quantity(("ratio",))
-Modulus = Annotated[float, _MODULUS]
 Density = Annotated[float, Quantity(("density",), least=0.0)]
 _LOSS = by_band(
     Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large="2 % is 0.02: did you mean {number:g} %?"),

@@ -41,29 +41,31 @@ from femstruct.parts.slab import Slab
 from femstruct.parts.solid import Solid
 from femstruct.parts.spring import Spring
 from femstruct.parts.substructure import Substructure
-from femstruct.units import QuantityError, quantity
-from femstruct.yaml.reader import Here
-from femstruct.yaml.spec import (
+from femstruct.quantities import (
     CELL,
     LENGTH,
-    CellSide,
     Coordinate,
-    Count,
     Direction3,
     Length,
     MassKg,
-    MaterialLossFactor,
     Measured,
-    PointName,
     Position2,
     Position3,
     Quantity,
-    Refers,
     SideLength,
+    refuse,
+)
+from femstruct.units import QuantityError, quantity
+from femstruct.yaml.reader import Here
+from femstruct.yaml.spec import (
+    CellSide,
+    Count,
+    MaterialLossFactor,
+    PointName,
+    Refers,
     Spec,
     Text,
     read_by,
-    refuse,
     several,
     so_many,
     union_of,

@@ -8,15 +8,14 @@ from pydantic import Field
 
 from femstruct.errors import shown_as
 from femstruct.model import regions
-from femstruct.yaml.spec import Length, Position2, Position3, Quantity, Spec, Text, exactly_one, read_by, refuse
+from femstruct.quantities import Dashpot, Length, Position2, Position3, Quantity, Stiffness, refuse
+from femstruct.yaml.spec import Spec, Text, exactly_one, read_by
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Stiffnesses and dashpots by direction, as they are written.
 # ----------------------------------------------------------------------------------------------------------------------
 
-Stiffness = Annotated[float, Quantity(("stiffness",), least=0.0)]
 RotationalStiffness = Annotated[float, Quantity(("rotational stiffness",), least=0.0)]
-Dashpot = Annotated[float, Quantity(("damping",), least=0.0)]
 RotationalDashpot = Annotated[float, Quantity(("rotational damping",), least=0.0)]
 
 

@@ -7,10 +7,11 @@ from typing import Annotated, Any
 
 from femstruct.language.not_computed import BASE_IN_TIME, FALLING_PARTS, GROUND, instead_of
 from femstruct.language.rooms import RoomSpec
+from femstruct.quantities import Band, Frequency, Measured, Quantity, Speed
 from femstruct.study.acting import InitialMotion, RigidMotion
 from femstruct.study.asked import VOLUME_VELOCITY, FrfKind, FrfRequest, Spot
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Band, Frequency, Measured, Quantity, Refers, Spec, Speed, Text
+from femstruct.yaml.spec import Refers, Spec, Text
 
 
 def spot_of(text: str) -> Spot:

@@ -33,11 +33,8 @@ from femstruct.language.bodies import BodySpec
 from femstruct.language.materials import AirSpec
 from femstruct.language.structures import places
 from femstruct.language.window import TimeSpec
-from femstruct.study.asked import FEWEST_ROOMS, RoomPlan
-from femstruct.yaml.reader import Here, members, nearest
-from femstruct.yaml.spec import (
+from femstruct.quantities import (
     FREQUENCY,
-    BandFile,
     Duration,
     Frequency,
     Length,
@@ -47,13 +44,18 @@ from femstruct.yaml.spec import (
     Quantity,
     Ratio,
     SideLength,
+    refuse,
+)
+from femstruct.study.asked import FEWEST_ROOMS, RoomPlan
+from femstruct.yaml.reader import Here, members, nearest
+from femstruct.yaml.spec import (
+    BandFile,
     Spec,
     SurfaceName,
     Text,
     by_band,
     exactly_one,
     read_by,
-    refuse,
     several,
     word_or,
     words_of,

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field
 
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import FemstructError, InputError, shown_as
-from femstruct.language.materials import Area, Losses, Modulus
+from femstruct.language.materials import Area, Losses
 from femstruct.language.parts import MESHED, MaterialName, PartSpec
 from femstruct.language.places import AnyRegion, RegionSpec
 from femstruct.modal import damping
@@ -33,35 +33,27 @@ from femstruct.model.structure import (
     SurfaceOn,
     pins,
 )
-from femstruct.study.structures import BeamEnd, BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel
-from femstruct.units import QuantityError, quantity
-from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import (
+from femstruct.quantities import (
     LENGTH,
     AnyRatio,
     Component,
     Coordinate,
-    Count,
     Frequency,
     Length,
     LossFactor,
     MassKg,
     Measured,
-    PointName,
+    Modulus,
     Position2,
     Position3,
     Quantity,
     Ratio,
-    Refers,
-    Spec,
-    Text,
-    exactly_one,
-    only,
-    read_by,
     refuse,
-    so_many,
-    words_of,
 )
+from femstruct.study.structures import BeamEnd, BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel
+from femstruct.units import QuantityError, quantity
+from femstruct.yaml.reader import Here, nearest
+from femstruct.yaml.spec import Count, PointName, Refers, Spec, Text, exactly_one, only, read_by, so_many, words_of
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Points as they are written.

@@ -37,23 +37,13 @@ from femstruct.language.rooms import Asked, BoxRoomSpec, RoomSpec
 from femstruct.language.varied import CampaignSpec
 from femstruct.language.window import AccuracySpec, ModesSpec, PeaksSpec, Recorded, TimeSpec, check_records
 from femstruct.modal.damping import Damping
+from femstruct.quantities import Instant, Measured, refuse
 from femstruct.study.acting import PlannedLoad, PlannedWalk
 from femstruct.study.asked import Extent, Limit, Record
 from femstruct.study.structures import StructureModel, as_many
 from femstruct.study.study import Study
 from femstruct.yaml.reader import Here, Names, members
-from femstruct.yaml.spec import (
-    Instant,
-    Measured,
-    Refers,
-    Spec,
-    Text,
-    check_references,
-    kinds_of,
-    read_by,
-    refuse,
-    union_of,
-)
+from femstruct.yaml.spec import Refers, Spec, Text, check_references, kinds_of, read_by, union_of
 
 # ----------------------------------------------------------------------------------------------------------------------
 # The kinds of rooms a study file can have: every module here that has a `RoomSpec` with `signs` is one, what other

@@ -9,11 +9,12 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from femstruct.errors import InputError, shown_as
+from femstruct.quantities import Measured, Quantity, refuse
 from femstruct.study.campaigns import Listed, Sampling, Scattered
 from femstruct.study.optima import Goal
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Count, Measured, Quantity, Spec, Text, read_by, refuse, so_many
+from femstruct.yaml.spec import Count, Spec, Text, read_by, so_many
 
 KINDS: Final = ("from", "values", "normal", "uniform")
 EXAMPLE: Final = "write it like 50 g"

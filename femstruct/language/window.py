@@ -8,22 +8,10 @@ from typing import Annotated, Any, Final, Literal, get_args
 from femstruct.errors import shown_as
 from femstruct.language.not_computed import BASE_IN_TIME, instead_of
 from femstruct.language.parts import STRESSED
+from femstruct.quantities import FREQUENCY, Band, Duration, Frequency, Quantity, refuse
 from femstruct.study.asked import AccuracyRule, Extent, PeakRule, RecordedQuantity, TimePlan
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import (
-    FREQUENCY,
-    Band,
-    Count,
-    Duration,
-    Flag,
-    Frequency,
-    Quantity,
-    Spec,
-    read_by,
-    refuse,
-    word_or,
-    words_of,
-)
+from femstruct.yaml.spec import Count, Flag, Spec, read_by, word_or, words_of
 
 MOST_SAMPLES: Final = 20_000_000
 FEWEST_SAMPLES: Final = 5

@@ -15,26 +15,19 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
     ValidationInfo,
     model_validator,
 )
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import PydanticCustomError
 
 from femstruct.errors import FemstructError, InputError, InputErrors, shown_as
 from femstruct.files.band_tables import read_bands
 from femstruct.files.text_tables import beside, wrong_in
 from femstruct.model.materials import MOST_LOSSES
 from femstruct.plugins import MEND, added_kinds
-from femstruct.units import DIMENSIONS, QuantityError, quantity_of
+from femstruct.quantities import CELL, FREQUENCY, Quantity, refuse
+from femstruct.units import QuantityError
 from femstruct.yaml.reader import Here, Steps, near_one
-
-SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
-FARTHEST = 1e6  # metres
-_QUANTITY_PATTERN: Final = (
-    r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*[A-Za-z%°µμ1].*$|^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*$"
-)
 
 
 class Spec(BaseModel):
@@ -140,92 +133,6 @@ class Refers:
     goes_with: str = ""
 
 
-class Measured(NamedTuple):
-    """A value in SI units and its dimension, None for a plain number."""
-
-    value: float
-    dimension: str | None
-
-
-def refuse(got: object, expected: str, do: str = "") -> PydanticCustomError:
-    """A refusal pydantic carries to its report; `got` is shown as a value unless it is a sentence already."""
-    return PydanticCustomError("refused", "refused", {"got": str(got), "expected": expected, "do": do})
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """Annotation of a field that holds a quantity of one of these dimensions, within limits.
-
-    too_small, too_large : what to do about a value beyond `least` or `most`; {number} in it is the value in SI units,
-    {thousandfold} a thousand times that. at_limit : what to do about the value `above` itself. words : what the
-    quantity is where its dimension does not say it.
-    """
-
-    dimensions: tuple[str, ...]
-    above: float | None = None
-    least: float | None = None
-    below: float | None = None
-    most: float | None = None
-    which: bool = False
-    too_small: str = "remove the sign"
-    too_large: str = ""
-    at_limit: str = ""
-    words: str = ""
-
-    def read(self, value: object) -> Any:
-        """The value in SI units, or a Measured when `which` is set."""
-        try:
-            number, dimension = quantity_of(value, self.dimensions)
-        except QuantityError as error:
-            raise refuse(error.got, error.expected, error.do) from None
-        named = DIMENSIONS[dimension or self.dimensions[0]]
-        if self.above is not None and not number > self.above:
-            if named.unit == "1" and number < 0.0 == self.above:
-                raise refuse(shown_as(value), "a positive value", f"write {-number:g}")
-            do = self.at_limit if number == self.above and self.at_limit else f"write it like {named.example}"
-            raise refuse(shown_as(value), f"a positive value: {named.words}", do)
-        if self.least is not None and not number >= self.least:
-            raise refuse(
-                shown_as(value),
-                f"{self.words or named.words} of at least {self._shown(self.least)}",
-                self.too_small.format(number=number, thousandfold=1e3 * number),
-            )
-        if self.below is not None and not number < self.below:
-            raise refuse(
-                shown_as(value), f"{named.words} below {self.below:g}", f"2 % is 0.02: did you mean {number:g} %?"
-            )
-        if self.most is not None and not number <= self.most:
-            raise refuse(
-                shown_as(value),
-                f"{self.words or named.words} of at most {self._shown(self.most)}",
-                self.too_large.format(number=number, thousandfold=1e3 * number),
-            )
-        largest = FARTHEST if named.unit == "m" else LARGEST
-        if number and not SMALLEST <= abs(number) <= largest:
-            raise refuse(
-                shown_as(value),
-                f"{named.words} between {SMALLEST:g} and {largest:g} {named.unit}",
-                "correct its power of ten",
-            )
-        return Measured(number, dimension) if self.which else number
-
-    def _shown(self, limit: float) -> str:
-        unit = DIMENSIONS[self.dimensions[0]].unit
-        return f"{limit:g}" if unit == "1" or not limit else f"{limit:g} {unit}"
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        words = " or ".join(f"{DIMENSIONS[name].words} [{DIMENSIONS[name].unit}]" for name in self.dimensions)
-        example = DIMENSIONS[self.dimensions[0]].example
-        return {
-            "anyOf": [{"type": "number"}, {"type": "string", "pattern": _QUANTITY_PATTERN}],
-            "description": f"{words}; a plain number is in SI units",
-            "examples": [example],
-        }
-
-
 def _text(value: object) -> str:
     if not isinstance(value, str):
         do = "" if value is None else "put quotes around it if it is meant as text"
@@ -250,35 +157,15 @@ def _count(value: object) -> int:
 Text = Annotated[str, BeforeValidator(_text)]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Count = Annotated[int, BeforeValidator(_count)]
-Ratio = Annotated[float, Quantity(("ratio",), least=0.0, below=1.0)]
-AnyRatio = Annotated[float, Quantity(("ratio",))]
-Factor = Annotated[float, Quantity(("ratio",), above=0.0)]
-_PERCENT = "2 % is 0.02: did you mean {number:g} %?"
-LossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=1.0, too_large=_PERCENT)]
-MaterialLossFactor = Annotated[float, Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large=_PERCENT)]
-Coordinate = Annotated[float, Quantity(("length",))]
-Component = Annotated[float, Quantity(("ratio",))]
-_MILLIMETRES: Final = "a plain number is in metres: did you mean {number:g} mm?"
-SideLength = Annotated[float, Quantity(("length",), above=0.0, most=1000.0, too_large=_MILLIMETRES)]
-LENGTH: Final = Quantity(("length",), above=0.0)
-CELL: Final = Quantity(("length",), above=0.0, most=10.0, too_large=_MILLIMETRES)  # no element is longer
-Length = Annotated[float, LENGTH]
+MaterialLossFactor = Annotated[
+    float,
+    Quantity(("ratio",), least=0.0, most=MOST_LOSSES, too_large="2 % is 0.02: did you mean {number:g} %?"),
+]
 CellSide = Annotated[float, CELL, Field(description="largest side of an element [m]")]
-Gap = Annotated[float, Quantity(("length",), least=0.0)]
-MassKg = Annotated[float, Quantity(("mass",), above=0.0)]
-FREQUENCY: Final = Quantity(("frequency",), above=0.0)
-Frequency = Annotated[float, FREQUENCY]
-Band = tuple[Annotated[float, Quantity(("frequency",), least=0.0)], Frequency]
-Duration = Annotated[float, Quantity(("time",), above=0.0)]
-Instant = Annotated[float, Quantity(("time",), least=0.0)]
-Speed = Annotated[float, Quantity(("speed",))]
 PointName = Annotated[Text, Refers("point")]
 SurfaceName = Annotated[Text, Refers("surface")]
 End = Annotated[Text, Refers(goes_with="bodies")]
 Ends = Annotated[tuple[End, End], Field(description="its two ends: names of points or bodies, or ground")]
-Position2 = tuple[Coordinate, Coordinate]
-Position3 = tuple[Coordinate, Coordinate, Coordinate]
-Direction3 = tuple[Component, Component, Component]
 
 
 def read_by(reader: Callable[..., object], written: Any) -> BeforeValidator:
@@ -529,9 +416,8 @@ def band_file(value: dict[str, Any], quantity: Quantity, info: ValidationInfo) -
         for one in found.values():
             try:
                 quantity.read(one.value)
-            except PydanticCustomError as error:
-                told = error.context or {}
-                wrong = InputError("", got=f"{one.value:g}", expected=told["expected"], do=told["do"])
+            except QuantityError as error:
+                wrong = InputError("", got=f"{one.value:g}", expected=error.expected, do=error.do)
                 raise wrong_in(path, one.line, wrong) from None
         return {band: one.value for band, one in found.items()}
 

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from femstruct.errors import shown_as
+from femstruct.units import QuantityError
 from femstruct.yaml.reader import Mistakes, Steps, Tree, dotted, near_name, near_one, nearest
 from femstruct.yaml.spec import OF_FILE, Opened, Spec
 
@@ -103,8 +104,8 @@ def _told(
 ) -> tuple[str, str, str] | None:
     """What was got ("" for the value as it is shown), what is expected, what to do; None for what pydantic says."""
     match kind:
-        case "refused":
-            return context["got"], context["expected"], context["do"]
+        case "value_error" if isinstance(refusal := context["error"], QuantityError):
+            return refusal.got, refusal.expected, refusal.do
         case "extra_forbidden":
             got, expected, do = _told_of_key(str(loc[-1]), _allowed(schema, loc[:-1]))
             return got, expected, _instead(schema, loc)[1] or do

@@ -19,6 +19,7 @@ LAYERS = [
     ["conventions", "reported", "tags"],
     ["errors"],
     ["arrays", "exits", "findings", "plugins", "units", "templates"],
+    ["quantities"],
     ["declared", "elements", "sparse"],
     ["evaluations", "model"],
     ["assembly", "parts"],

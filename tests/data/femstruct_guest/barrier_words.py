@@ -3,7 +3,7 @@
 from typing import Literal
 
 from femstruct.language.laws import FactoredSpec, Positive
-from femstruct.yaml.spec import Length
+from femstruct.quantities import Length
 from femstruct_guest.barrier import Barrier
 
 

@@ -4,7 +4,7 @@ from typing import Literal
 
 from femstruct.language.materials import Area
 from femstruct.language.parts import MaterialName, PartSpec
-from femstruct.yaml.spec import Position3
+from femstruct.quantities import Position3
 from femstruct_guest.strut import Strut
 
 
