@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, Literal, NamedTuple
@@ -293,38 +293,56 @@ def judge_shells(bulk: Bulk) -> None:
             left.add(what, makes, changes, line, cells)
     constants = {one.name: dict(one.constants) for one in bulk.materials}
     for number, one in bulk.shells.items():
-        cells, line = bulk.by_property.get(number, []), one.card.number
-        if not cells:
-            continue
-        whose = f"PSHELL {number}"
-        membrane, bending, shear, coupled = one.materials
-        differ = [m for m in (membrane, bending) if m > 0]
-        if one.nsm:
-            bulk.spread.append(SpreadMass(f"NSM of {whose}", one.nsm, "area", line, (number,)))
-        if not bending:
-            left.add(f"{whose} without MID2", Makes.SECTION, "a membrane, without stiffness in bending", line, cells)
-        elif not membrane:
-            left.add(f"{whose} without MID1", Makes.SECTION, "bending without stiffness in its plane", line, cells)
-        elif bending < 0 or (len(set(differ)) > 1 and not _same(differ, constants)):
-            what = "another material of bending than in the plane" if bending > 0 else "plane strain"
-            left.add(f"MID2 of {whose}", Makes.SECTION, what, line, cells)
-        if abs(one.bending - 1.0) > SAME:
-            left.add(f"12I/T^3 of {whose}", Makes.SECTION, f"stiffness in bending times {one.bending:g}", line, cells)
-        if bending and not shear:
-            left.add(f"{whose} without MID3", Makes.SLIGHT, "no shear across the thickness, here it has", line, cells)
-        elif shear and (abs(one.shear - _SHEAR) > SAME or not _same([shear, bending], constants)):
-            left.add(f"MID3 or TS/T of {whose}", Makes.SECTION, "another stiffness in shear", line, cells)
-        if coupled:
-            left.add(f"MID4 of {whose}", Makes.SECTION, "bending that is coupled to stretch", line, cells)
+        if cells := bulk.by_property.get(number):
+            whose, line = f"PSHELL {number}", one.card.number
+            if one.nsm:
+                bulk.spread.append(SpreadMass(f"NSM of {whose}", one.nsm, "area", line, (number,)))
+            for what, makes, changes in (*_bends_otherwise(whose, one, constants), *_shears(whose, one, constants)):
+                left.add(what, makes, changes, line, cells)
+    _judge_corners(bulk)
+
+
+_LeftOut = tuple[str, Makes, str]  # what is not made, what that makes wrong, and how
+
+
+def _bends_otherwise(whose: str, one: Shelled, constants: Mapping[str, Mapping[str, float]]) -> Iterator[_LeftOut]:
+    """What a section has of bending that a plate of its first material does not have. constants : by material."""
+    membrane, bending, _, _ = one.materials
+    differ = [m for m in (membrane, bending) if m > 0]
+    if not bending:
+        yield f"{whose} without MID2", Makes.SECTION, "a membrane, without stiffness in bending"
+    elif not membrane:
+        yield f"{whose} without MID1", Makes.SECTION, "bending without stiffness in its plane"
+    elif bending < 0 or (len(set(differ)) > 1 and not _same(differ, constants)):
+        what = "another material of bending than in the plane" if bending > 0 else "plane strain"
+        yield f"MID2 of {whose}", Makes.SECTION, what
+    if abs(one.bending - 1.0) > SAME:
+        yield f"12I/T^3 of {whose}", Makes.SECTION, f"stiffness in bending times {one.bending:g}"
+
+
+def _shears(whose: str, one: Shelled, constants: Mapping[str, Mapping[str, float]]) -> Iterator[_LeftOut]:
+    """The same of shear across the thickness, and of bending that stretches."""
+    _, bending, shear, coupled = one.materials
+    if bending and not shear:
+        yield f"{whose} without MID3", Makes.SLIGHT, "no shear across the thickness, here it has"
+    elif shear and (abs(one.shear - _SHEAR) > SAME or not _same([shear, bending], constants)):
+        yield f"MID3 or TS/T of {whose}", Makes.SECTION, "another stiffness in shear"
+    if coupled:
+        yield f"MID4 of {whose}", Makes.SECTION, "bending that is coupled to stretch"
+
+
+def _judge_corners(bulk: Bulk) -> None:
+    """Count cells whose thickness at the corners is not that of their section."""
     for card, number, of, values in bulk.corners:
         section = bulk.shells.get(of)
         t = None if section is None else section.thickness
         if values and t is not None and all(one < 0.0 or abs(one - t) <= SAME * t for one in values):
             continue
-        left.add(f"T1, T2, .. of {card.name}", Makes.THICKNESS, "a thickness at each corner", card.number, [number])
+        what = f"T1, T2, .. of {card.name}"
+        bulk.left_out.add(what, Makes.THICKNESS, "a thickness at each corner", card.number, [number])
 
 
-def _same(numbers: list[int], constants: dict[str, dict[str, float]]) -> bool:
+def _same(numbers: list[int], constants: Mapping[str, Mapping[str, float]]) -> bool:
     """Whether materials are one, or have the same constants."""
     first, *others = [constants.get(f"material {number}", {"": float(number)}) for number in numbers]
     return len(set(numbers)) == 1 or (bool(first) and all(one == first for one in others))
