@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from itertools import product
 from math import isnan, nan
@@ -13,7 +13,7 @@ from femstruct.files.study_tables import TERMS, array_tables, growth
 from femstruct.files.tables import unquotable
 from femstruct.impact.numerical_error import ErrorEstimate, Resolved
 from femstruct.impact.response import EnergyLedger, Outcome, Response
-from femstruct.impact.shares import energy_shares
+from femstruct.impact.shares import ModeEnergies, energy_shares
 from femstruct.study.asked import Companion, EnergyShare, GroundForce, Machine, Verdict
 from femstruct.study.results import AccuracyCheck, StudyResult
 from femstruct.units import readable
@@ -296,31 +296,39 @@ def _amount(energy: float, factor: float, nothing: float) -> str:
 
 def energy_destinations(result: StudyResult) -> Grid:
     """What holds the energy of a case and what took it: bodies, modes, contacts and links, losses."""
-    moments: dict[str, list[dict[str, float]]] = {}
-    for name, case in result.cases.items():
-        if case.response is not None and case.shares is not None:
-            ledger, shares = case.response.ledger, case.shares
-            triples = (
-                (ledger.at_separation, shares.at_separation, shares.dashpots_at_separation),
-                (ledger.end, shares.end, shares.dashpots_at_end),
-            )
-            moments[name] = [
-                {} if balance is None or groups is None or taken is None else energy_shares(balance, groups, taken)
-                for balance, groups, taken in triples
-            ]
+    moments = {
+        name: _shares_at(case.response.ledger, case.shares)
+        for name, case in result.cases.items()
+        if case.response is not None and case.shares is not None
+    }
     parted = any(first for first, _ in moments.values())  # nowhere: nothing meets, or what met stays together
     grid = Grid(f"where the energy went [% {'at the separation / ' if parted else ''}at the end]", ("", *moments))
     told = [share for both in moments.values() for shares_then in both for share in shares_then.items()]
     named = dict.fromkeys(what for what, share in told if share >= LEAST_SHARE_NAMED)
-    rest = {
-        name: [{OTHERS: 1.0 - sum(abs(then.get(what, 0.0)) for what in named)} if then else {} for then in both]
-        for name, both in moments.items()
-    }
-    left = any(share >= SEEN for both in rest.values() for then in both for share in then.values())
-    for holder, of_cases in (*((one, moments) for one in named), *([(OTHERS, rest)] if left else [])):
+    rows = dict.fromkeys(named, moments)
+    rest = {name: [_unnamed(then, named) for then in both] for name, both in moments.items()}
+    if any(share >= SEEN for both in rest.values() for then in both for share in then.values()):
+        rows[OTHERS] = rest
+    for holder, of_cases in rows.items():
         texts = [[_share(then.get(holder)) for then in (both if parted else both[1:])] for both in of_cases.values()]
         grid.add(holder, *(" / ".join(both) for both in texts))
     return grid
+
+
+def _shares_at(ledger: EnergyLedger, shares: ModeEnergies) -> list[dict[str, float]]:
+    """Shares of the energy by what has or took them, at the separation ({} where there is none) and at the end."""
+    return [
+        {} if balance is None or groups is None or taken is None else energy_shares(balance, groups, taken)
+        for balance, groups, taken in (
+            (ledger.at_separation, shares.at_separation, shares.dashpots_at_separation),
+            (ledger.end, shares.end, shares.dashpots_at_end),
+        )
+    ]
+
+
+def _unnamed(then: Mapping[str, float], named: Collection[str]) -> dict[str, float]:
+    """What is left of the energy beside what is named, at one instant."""
+    return {OTHERS: 1.0 - sum(abs(then.get(what, 0.0)) for what in named)} if then else {}
 
 
 def _share(share: float | None) -> str:
@@ -395,17 +403,36 @@ def _amount_in(value: float, unit: str) -> str:
 def machine(result: StudyResult) -> Grid:
     """One row a case: what a press engineer looks at first."""
     cases = result.machine
+    travels = list(dict.fromkeys(name for one in cases.values() for name in one.travels))
+    columns = _machine_columns(cases, travels)
+    titles = [title for title, _ in columns]
+    cells = {name: [tell(one) for _, tell in columns] for name, one in cases.items()}
+    told = _mark_doubtful(result, travels, titles.index(SAGS) - len(travels), cells)
+    if any(result.verdicts.values()):
+        titles.append("limits")
+        for name, row in cells.items():
+            row.append(_judged(result.verdicts.get(name, ())))
+    _refer_to_baseline(result, [i for i, title in enumerate(titles) if title in (SAGS, MODES)], cells)
+    kept = [i for i in range(len(titles)) if any(set(row[i]) - set("-\n 0.") for row in cells.values())]
+    title = f"machine (energies: when the first contact ends, and at the end{told})"
+    grid = Grid(title, ("", *(titles[i] for i in kept)))
+    for name, row in cells.items():
+        grid.add(name, *(row[i] for i in kept))
+    return grid
+
+
+def _machine_columns(
+    cases: Mapping[str, Machine], travels: Sequence[str]
+) -> list[tuple[str, Callable[[Machine], str]]]:
+    """Title of each column and what stands in it, in units that suit all cases; columns of travels end before SAGS."""
     first = next((m.ground for m in cases.values() if m.ground is not None), None)
     newton, force = scaled("N", 0.0 if first is None else first.dynamic)
     joule, energy = scaled("J", max((m.at_end.put_in for m in cases.values()), default=0.0))
-    columns: list[tuple[str, Callable[[Machine], str]]] = [
+    return [
         (f"ground [{force}]", lambda m: _of(m.ground, lambda g: _weighed(g.dynamic, newton))),
         (f"with weight [{force}]", lambda m: _of(m.ground, lambda g: _weighed(g.with_weight, newton))),
         ("beside baseline", lambda m: _of(m.ground, _beside)),
-    ]
-    travels = dict.fromkeys(name for one in cases.values() for name in one.travels)
-    columns += [(f"{name.removesuffix(' displacement')} [mm]", partial(_travel, name)) for name in travels]
-    columns += [
+        *((f"{name.removesuffix(' displacement')} [mm]", partial(_travel, name)) for name in travels),
         (SAGS, _sags),
         (MODES, _modes),
         ("at rest after [s]", _rest),
@@ -418,27 +445,26 @@ def machine(result: StudyResult) -> Grid:
         (f"of [{energy}]", lambda m: "\n".join(f"{joule * share.put_in:.4g}" for share in _instants(m))),
         ("last blow / first", _growth),
     ]
-    cells = {name: [tell(one) for _, tell in columns] for name, one in cases.items()}
-    doubts = {name: unquotable(result.cases[name]) for name in cases}
-    starts = next(i for i, (column, _) in enumerate(columns) if column == SAGS) - len(travels)
+
+
+def _mark_doubtful(result: StudyResult, travels: Sequence[str], starts: int, cells: Mapping[str, list[str]]) -> str:
+    """Put a mark beside travels that are not to be quoted; what the title says of it, "" without any.
+
+    starts : number of the first column of travels.
+    """
+    doubts = {name: unquotable(result.cases[name]) for name in cells}
     for (name, row), (i, travel) in product(cells.items(), enumerate(travels, starts)):
         row[i] += " ?" if travel in doubts[name] else ""
-    told = doubted([code for found in doubts.values() for name, code in found.items() if name in travels], "; ")
-    if any(result.verdicts.values()):
-        columns.append(("limits", lambda m: ""))
-        for name, row in cells.items():
-            row.append(_judged(result.verdicts.get(name, ())))
-    same = [i for i, (column, _) in enumerate(columns) if column in (SAGS, MODES)]
+    return doubted([code for found in doubts.values() for name, code in found.items() if name in travels], "; ")
+
+
+def _refer_to_baseline(result: StudyResult, columns: Sequence[int], cells: Mapping[str, list[str]]) -> None:
+    """In some columns, write "as baseline" for what a case has in common with it."""
     baseline = cells.get(result.comparison.baseline)  # another run beside it may not be about a machine
     for row in cells.values():
         if baseline is not None and row is not baseline:
-            row[:] = ["as baseline" if i in same and one == baseline[i] != "-" else one for i, one in enumerate(row)]
-    kept = [i for i in range(len(columns)) if any(set(row[i]) - set("-\n 0.") for row in cells.values())]
-    title = f"machine (energies: when the first contact ends, and at the end{told})"
-    grid = Grid(title, ("", *(columns[i][0] for i in kept)))
-    for name, row in cells.items():
-        grid.add(name, *(row[i] for i in kept))
-    return grid
+            for i in columns:
+                row[i] = "as baseline" if row[i] == baseline[i] != "-" else row[i]
 
 
 def _of(ground: GroundForce | None, tell: Callable[[GroundForce], str]) -> str:

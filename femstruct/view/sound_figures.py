@@ -124,31 +124,10 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     highest, lowest = max(heard), min(heard)
     floor = 10.0 * np.floor((max(lowest, highest - SHOWN_DB) - 3.0) / 10.0)
     for number, (name, one) in enumerate(shown.items()):
-        x = np.arange(len(one.bands_hz)) + (number - (len(shown) - 1) / 2) * width
-        levels, spread = (np.array(list(values.values())) for values in (one.bands_db, one.spread_db))
-        known = np.isfinite(levels)
-        x, levels, spread = x[known], levels[known], spread[known]
-        bars: dict[str, Any] = {}
-        if np.isfinite(spread).any():
-            spread = np.where(np.isfinite(spread), spread, 0.0)  # of what is statistical
-            bars = {"yerr": spread, "error_kw": {"ecolor": SPREAD, "elinewidth": 0.8}}
-        bars |= {"bottom": floor, "color": colours[name]}
-        drawn = axes.bar(x, levels - floor, width, label=_label(name, one), **bars)
-        for band, bar in zip(np.array(one.bands_hz)[known].tolist(), drawn, strict=True):
-            if band in one.statistical_hz:
-                bar.set(hatch="///", edgecolor="white", linewidth=0.0)
-        means = np.array(list(one.mean_db.values()))[known]
-        if np.isfinite(means).any():
-            low, high = (np.array(list(limits.values()))[known] for limits in (one.low_db, one.high_db))
-            look = {"fmt": "D", "markersize": 3.6, "color": "black", "elinewidth": 1.6, "capsize": 0.0, "mfc": "white"}
-            mean, _, (ends,) = axes.errorbar(x + 0.25 * width, means, yerr=[means - low, high - means], **look)
-            ends.set_path_effects(OUTLINED)
-            mean.set_zorder(ends.get_zorder() + 0.1)
-    compared = {symbol: rating for symbol, rating in first.curves.items() if rating.curve_db}
-    for style, (symbol, rating) in zip(CURVES, compared.items(), strict=False):
-        curve, label = list(rating.curve_db.values()), f"{symbol} of the baseline: {rating.curve}"
-        look = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": OUTLINED}
-        axes.plot(np.arange(len(curve)), curve, label=label, **look)
+        x = np.arange(len(one.bands_hz), dtype=np.float64) + (number - (len(shown) - 1) / 2) * width
+        _draw_levels(axes, one, x, width, label=_label(name, one), bottom=floor, color=colours[name])
+        _draw_ensemble(axes, one, x + 0.25 * width)
+    _draw_curves(axes, first)
     axes.set_xticks(range(len(first.bands_hz)), [f"{band:g}" for band in first.bands_hz], fontsize=8)
     axes.set_xlim(-0.6, len(first.bands_hz) - 0.4)
     axes.set_ylim(floor, max(highest, *axes.get_ylim()) + 2.0)
@@ -166,6 +145,40 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     legend_above(axes)
     axes.grid(False, axis="x")
     return figure
+
+
+def _draw_levels(axes: Axes, one: RatedRoom, x: Floats, width: float, bottom: float, **look: Any) -> None:
+    """A bar for the level of each band that is known, with its standard deviation; statistical ones are hatched."""
+    levels, spread = (np.array(list(values.values())) for values in (one.bands_db, one.spread_db))
+    known = np.isfinite(levels)
+    x, levels, spread = x[known], levels[known], spread[known]
+    if np.isfinite(spread).any():
+        spread = np.where(np.isfinite(spread), spread, 0.0)  # of what is statistical
+        look |= {"yerr": spread, "error_kw": {"ecolor": SPREAD, "elinewidth": 0.8}}
+    drawn = axes.bar(x, levels - bottom, width, bottom=bottom, **look)
+    for band, bar in zip(np.array(one.bands_hz)[known].tolist(), drawn, strict=True):
+        if band in one.statistical_hz:
+            bar.set(hatch="///", edgecolor="white", linewidth=0.0)
+
+
+def _draw_ensemble(axes: Axes, one: RatedRoom, x: Floats) -> None:
+    """The mean over rooms and places and its interval, in the bands whose level is known."""
+    known = np.isfinite(np.array(list(one.bands_db.values())))
+    means, low, high = (np.array(list(values.values()))[known] for values in (one.mean_db, one.low_db, one.high_db))
+    if np.isfinite(means).any():
+        look: dict[str, Any] = {"markersize": 3.6, "color": "black", "elinewidth": 1.6, "capsize": 0.0, "mfc": "white"}
+        mean, _, (ends,) = axes.errorbar(x[known], means, yerr=[means - low, high - means], fmt="D", **look)
+        ends.set_path_effects(OUTLINED)
+        mean.set_zorder(ends.get_zorder() + 0.1)
+
+
+def _draw_curves(axes: Axes, baseline: RatedRoom) -> None:
+    """What the single numbers of the baseline hold its bands against."""
+    compared = {symbol: rating for symbol, rating in baseline.curves.items() if rating.curve_db}
+    for style, (symbol, rating) in zip(CURVES, compared.items(), strict=False):
+        curve, label = list(rating.curve_db.values()), f"{symbol} of the baseline: {rating.curve}"
+        look: dict[str, Any] = {"color": "0.2", "linestyle": style, "linewidth": 1.1, "path_effects": OUTLINED}
+        axes.plot(np.arange(len(curve)), curve, label=label, **look)
 
 
 def _label(name: str, rated: RatedRoom) -> str:

@@ -211,14 +211,42 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
     if "cases" in table:
         _show_happening(screen, table)
     if table["masses_kg"]:
-        grid = Grid("masses", ("part", "mass [kg]"))
-        for name, mass in table["masses_kg"].items():
-            grid.add(name, f"{mass:.5g}")
-        grid.add("all", f"{table['mass_kg']:.5g}")
-        grid.show(screen)
-        low, high = table["box_m"]
-        screen.print("box " + " x ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True)) + " m")
-        screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
+        _show_masses(screen, table)
+    _show_what_holds(screen, table)
+    screen.print(_modes_told(table))
+    for sentence in table["damping"] if table["first_frequencies_hz"] else ():
+        screen.print(sentence)
+    for name, position in table["points_m"].items():
+        where = "somewhere" if position is None else f"at ({', '.join(f'{x:.4g}' for x in position)}) m"
+        screen.print(f"point {name} {where}")
+    _show_at_rest(screen, table)
+    for mode in table["block_modes"]:
+        shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in mode["shares"].items())
+        damped = "" if mode["damping_ratio"] is None else f", damping {100 * mode['damping_ratio']:.3g} %"
+        screen.print(f"mode {mode['mode']}, {mode['frequency_hz']:.2f} Hz{damped}: {shares}")
+    for name, room in table["rooms"].items():
+        _show_room(screen, name, room)
+    if table["drops"]:
+        screen.print(f"the source strikes {some_of(table['drops'])}: one simulation for each")
+    show_findings(screen, _read(table["findings"]), verbose)
+    if picture:
+        screen.print(f"picture: {picture}")
+
+
+def _show_masses(screen: Console, table: Row) -> None:
+    """Masses of the parts, the box around all, and how many there are of what a model is made of."""
+    grid = Grid("masses", ("part", "mass [kg]"))
+    for name, mass in table["masses_kg"].items():
+        grid.add(name, f"{mass:.5g}")
+    grid.add("all", f"{table['mass_kg']:.5g}")
+    grid.show(screen)
+    low, high = table["box_m"]
+    screen.print("box " + " x ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True)) + " m")
+    screen.print(", ".join(f"{count} {name}" for name, count in table["counts"].items()))
+
+
+def _show_what_holds(screen: Console, table: Row) -> None:
+    """Hangers, joints and simple supports, and the degrees of freedom that they leave."""
     for name, one in table["hangers"].items():
         screen.print(_hung_told(name, one))
     for name, joint in table["joints"].items():
@@ -228,35 +256,27 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
         screen.print(f"simple supports of edges: {', '.join(told)}")
     if table["degrees_of_freedom"] is not None:
         screen.print(f"{table['degrees_of_freedom']} degrees of freedom")
-    screen.print(_modes_told(table))
-    for sentence in table["damping"] if table["first_frequencies_hz"] else ():
-        screen.print(sentence)
-    for name, position in table["points_m"].items():
-        where = "somewhere" if position is None else f"at ({', '.join(f'{x:.4g}' for x in position)}) m"
-        screen.print(f"point {name} {where}")
+
+
+def _show_at_rest(screen: Console, table: Row) -> None:
+    """How far bodies and blocks sag under their weights."""
     for body, rest in table["rest"].items():
         screen.print(f"{body}: weight {rest['weight_n']:.4g} N sags {1e3 * rest['sag_m']:.3g} mm on its links")
     for part, sag in table["sags"].items():
         seen = sag["tilt_rad"] is not None and sag["tilt_rad"] > LEAST_TILT_SHOWN
         leaning = f" and leans by {1e3 * sag['tilt_rad']:.2g} mm/m" if seen else ""
         screen.print(f"{part} sags {1e3 * sag['sag_m']:.3g} mm under the total weight{leaning}")
-    for mode in table["block_modes"]:
-        shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in mode["shares"].items())
-        damped = "" if mode["damping_ratio"] is None else f", damping {100 * mode['damping_ratio']:.3g} %"
-        screen.print(f"mode {mode['mode']}, {mode['frequency_hz']:.2f} Hz{damped}: {shares}")
-    for name, room in table["rooms"].items():
-        if "side" in room:
-            screen.print(f"{name}: open air {room['side']} the surface, in an infinite rigid baffle")
-            continue
-        screen.print(f"room {name}: {'; '.join(_room_told(room))}", soft_wrap=True)
-        if "largest_cell_m" in room:
-            cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
-            screen.print(f"  cells of {cells} at most; room modes, with rigid walls, up to {most}")
-    if table["drops"]:
-        screen.print(f"the source strikes {some_of(table['drops'])}: one simulation for each")
-    show_findings(screen, _read(table["findings"]), verbose)
-    if picture:
-        screen.print(f"picture: {picture}")
+
+
+def _show_room(screen: Console, name: str, room: Row) -> None:
+    """A room or open air, and up to where its cells have modes of their own."""
+    if "side" in room:
+        screen.print(f"{name}: open air {room['side']} the surface, in an infinite rigid baffle")
+        return
+    screen.print(f"room {name}: {'; '.join(_room_told(room))}", soft_wrap=True)
+    if "largest_cell_m" in room:
+        cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
+        screen.print(f"  cells of {cells} at most; room modes, with rigid walls, up to {most}")
 
 
 def _joint_told(name: str, joint: Row) -> str:
