@@ -379,21 +379,15 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
     Raises InputError when a record names something that has no such quantity.
     """
     seen, kept = closer(response), histories(study, places, response)
-    pressures: dict[str, tuple[Floats, str]] = {}
-    for plan in study.rooms:
-        if plan.name in rooms:
-            pressures |= _pressures(plan, rooms[plan.name])
+    pressures = {
+        name: one
+        for plan in study.rooms
+        if plan.name in rooms
+        for name, one in _pressures(plan, rooms[plan.name]).items()
+    }
     stresses = {str(wanted): wanted.target for wanted in study.records if wanted.what == STRESS}
     if seen is None:
-        for name, part in stresses.items():
-            rows = places.stresses(part, f"record.{part}")
-            kept[name] = walked(rows, response.basis.shapes, response.q).history, UNITS[STRESS]
-        told = _known_without_samples(study, response)
-        blank = (nan, nan)
-        return {
-            name: Channel(name, values, unit, *told.get(name, blank))
-            for name, (values, unit) in (kept | pressures).items()
-        }
+        return _without_peaks(study, places, response, kept | pressures, stresses)
     plain = study.peaks.lowpass_hz is None
     onward = seen if plain else beyond(seen, study.peaks)
     moves = onward if plain else averaged(onward)
@@ -409,44 +403,99 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
         found[name] = peaks.of_contact(fine[name][0], seen.contacts[one])
         if alone is not None:
             found[name] = raised(found[name], np.array([alone.contacts[one].peak_force]))
-    silent: dict[str, tuple[float, float]] = {}
-    for name, (pressure, _) in pressures.items():
-        values, factor = between(pressure, response)
-        heard = replace(peaks, sampling=factor * response.clock.sampling, count=values.shape[-1])
-        found[name] = heard.of(values)
-        if not plain:
-            silent[name] = heard.of(np.append(values, 0.0))
+    of_pressures, silent = _peaks_of_pressures(pressures, response, peaks)
+    found |= of_pressures
     channels = {
         name: Channel(name, values, unit, *found[name], silent_after=silent.get(name))
         for name, (values, unit) in (kept | pressures).items()
     }
-    true = np.array([kind != "residual" for kind in response.basis.kind])
-    for name, (what, row) in motion_rows(study, places, response.basis).items() if not true.all() else ():
-        pair = peaks.of(moved(moves, what, row * true), rest.get(name, AT_REST))
-        by_modes = pair if moving is None else raised(pair, moved(moving, what, row * true))
-        channels[name] = replace(channels[name], by_modes=by_modes)
+    for name, pair in _peaks_by_modes(study, places, moves, moving, peaks, rest).items():
+        channels[name] = replace(channels[name], by_modes=pair)
     if stresses:
-        channels |= _stresses(stresses, study.peaks, places, response, seen, onward, moving)
+        channels |= _stresses(stresses, study.peaks, places, _Motions(response, seen, onward, moving))
     met = bool(response.contacts)
     return channels if met else {name: replace(channel, struck=False) for name, channel in channels.items()}
 
 
-def _stresses(
-    wanted: Mapping[str, str],
-    rule: PeakRule,
+def _without_peaks(
+    study: Study,
     places: Places,
     response: Response,
-    seen: Response,
-    onward: Response,
-    alone: Response | None,
+    kept: Mapping[str, tuple[Floats, str]],
+    stresses: Mapping[str, str],
 ) -> dict[str, Channel]:
-    """Histories of the largest equivalent stress of parts, by channel, their peaks as `seen`, filtered with what comes
-    after it (`onward`), and `alone` in the first impact. What is filtered is the motion: the stress of von Mises of a
-    filtered motion is one, a filtered stress of von Mises is not."""
+    """Channels of a motion whose samples do not say what is between them: only contact forces have peaks.
+
+    kept : histories and their units, by channel. stresses : parts by channel.
+    """
+    found = dict(kept)
+    for name, part in stresses.items():
+        rows = places.stresses(part, f"record.{part}")
+        found[name] = walked(rows, response.basis.shapes, response.q).history, UNITS[STRESS]
+    told = _known_without_samples(study, response)
+    blank = (nan, nan)
+    return {name: Channel(name, values, unit, *told.get(name, blank)) for name, (values, unit) in found.items()}
+
+
+_Pairs = dict[str, tuple[float, float]]  # peaks in the first impact and in the whole record, by channel
+
+
+def _peaks_of_pressures(
+    pressures: Mapping[str, tuple[Floats, str]], response: Response, peaks: Peaks
+) -> tuple[_Pairs, _Pairs]:
+    """Peaks of pressures between their samples; and, where there is a filter, those with silence after the end."""
+    found: _Pairs = {}
+    silent: _Pairs = {}
+    for name, (pressure, _) in pressures.items():
+        values, factor = between(pressure, response)
+        heard = replace(peaks, sampling=factor * response.clock.sampling, count=values.shape[-1])
+        found[name] = heard.of(values)
+        if peaks.rule.lowpass_hz is not None:
+            silent[name] = heard.of(np.append(values, 0.0))
+    return found, silent
+
+
+def _peaks_by_modes(
+    study: Study,
+    places: Places,
+    moves: Response,
+    first: Response | None,
+    peaks: Peaks,
+    rest: Mapping[str, Before],
+) -> _Pairs:
+    """Peaks of recorded motions of the modes alone; none where there are no residual vectors.
+
+    first : the first impact by itself, where it is looked at closer. rest : what histories were before the start.
+    """
+    true = np.array([kind != "residual" for kind in moves.basis.kind])
+    found: _Pairs = {}
+    for name, (what, row) in motion_rows(study, places, moves.basis).items() if not true.all() else ():
+        pair = peaks.of(moved(moves, what, row * true), rest.get(name, AT_REST))
+        found[name] = pair if first is None else raised(pair, moved(first, what, row * true))
+    return found
+
+
+class _Motions(NamedTuple):
+    """The motion of a case as its stresses are looked for in it.
+
+    kept : as it is recorded. seen : with samples that show what is between them. onward : with what comes after it,
+    which a filter needs. alone : the first impact by itself, where it is looked at closer.
+    """
+
+    kept: Response
+    seen: Response
+    onward: Response
+    alone: Response | None
+
+
+def _stresses(wanted: Mapping[str, str], rule: PeakRule, places: Places, motions: _Motions) -> dict[str, Channel]:
+    """Histories of the largest equivalent stress of parts, by channel, with their peaks. What is filtered is the
+    motion: the stress of von Mises of a filtered motion is one, a filtered stress of von Mises is not."""
+    seen, alone = motions.seen, motions.alone
     shapes, q = seen.basis.shapes, seen.q
     if rule.lowpass_hz is not None:
-        q = in_band(onward.q, seen.clock.sampling, (0.0, rule.lowpass_hz))[:, : len(seen.t)]
-    kept = q if seen is response and rule.lowpass_hz is None else response.q
+        q = in_band(motions.onward.q, seen.clock.sampling, (0.0, rule.lowpass_hz))[:, : len(seen.t)]
+    kept = q if seen is motions.kept and rule.lowpass_hz is None else motions.kept.q
     true = np.array([kind != "residual" for kind in seen.basis.kind])
     early = seen.t <= first_window(rule, seen)
 
@@ -502,39 +551,58 @@ def before_start(study: Study, places: Places, response: Response) -> dict[str, 
     scene, found = response.scene, dict[str, Before]()
     held = {contact.name: contact.preload for contact in scene.contacts}
     pressed = held | {link.name: link.preload for link in scene.links if link.release_at == 0.0}
-    rigid = np.array([kind == "rigid" for kind in response.basis.kind], dtype=bool)
-    flown = None if scene.velocity is None else np.where(rigid, scene.velocity, 0.0)
-    late = {blows.body for blows in scene.blows if blows.times[0] > 0.0}
-    pulled = {body.name: -scene.gravity * (body.falls and body.name not in late) for body in scene.bodies}
-
-    def speed(name: str, row: Floats | None = None) -> float:
-        if name in response.bodies:
-            return float(response.bodies[name].velocity[0])
-        return 0.0 if flown is None or row is None else float(row @ flown)
-
-    rows = {} if flown is None else motion_rows(study, places, response.basis)
-    for name, (what, row) in rows.items():
-        found[name] = {"displacement": Before(0.0, speed("", row)), "velocity": Before(speed("", row))}.get(
-            what, AT_REST
-        )
-    targets = {body.name: body.target for body in study.bodies}
+    if (flown := _flown(response)) is not None:
+        for name, (what, row) in motion_rows(study, places, response.basis).items():
+            speed = float(row @ flown)
+            found[name] = {"displacement": Before(0.0, speed), "velocity": Before(speed)}.get(what, AT_REST)
     for wanted in study.records:
-        name, what = wanted.target, wanted.what
-        if what == "force" and name in pressed:
-            found[str(wanted)] = Before(pressed[name])
-        elif name in response.bodies and what in ("displacement", "velocity", "travel"):
-            at, rate = float(response.bodies[name].displacement[0]), speed(name)
-            if what == "travel" and targets[name] != GROUND:
-                rate -= speed(targets[name], _row_along(targets[name], study, places, response))
-            found[str(wanted)] = Before(rate, pulled[name]) if what == "velocity" else Before(at, rate)
-        elif name in response.bodies and what == "acceleration":
-            found[str(wanted)] = Before(pulled[name])
+        if wanted.what == "force" and wanted.target in pressed:
+            found[str(wanted)] = Before(pressed[wanted.target])
+        elif wanted.target in response.bodies and (before := _body_before(wanted, study, places, response)) is not None:
+            found[str(wanted)] = before
     if (weight := _limited_weight(study, response.basis)) is not None:
         found[GROUND_WITH_WEIGHT] = Before(-weight)
     for name, contact, sign in _touched(study, places, response):
         net = f"{NET_FORCE}{name}"
         found[net] = Before(found.get(net, AT_REST).level + sign * held[contact])
     return found
+
+
+def _flown(response: Response) -> Floats | None:
+    """Modal velocities [k] with which a free structure flew before the first sample; None where nothing moved."""
+    rigid = np.array([kind == "rigid" for kind in response.basis.kind], dtype=bool)
+    return None if response.scene.velocity is None else np.where(rigid, response.scene.velocity, 0.0)
+
+
+def _body_before(wanted: Record, study: Study, places: Places, response: Response) -> Before | None:
+    """What a history of a body was before the first sample: it flew, and fell where it has a weight; None for forces.
+
+    One that strikes later is held until then and does not fall.
+    """
+    scene, body = response.scene, response.bodies[wanted.target]
+    late = {blows.body for blows in scene.blows if blows.times[0] > 0.0}
+    pulled = next(
+        -scene.gravity * (one.falls and one.name not in late) for one in scene.bodies if one.name == wanted.target
+    )
+    at, rate = float(body.displacement[0]), float(body.velocity[0])
+    if wanted.what == "displacement":
+        return Before(at, rate)
+    if wanted.what == "velocity":
+        return Before(rate, pulled)
+    if wanted.what == "acceleration":
+        return Before(pulled)
+    if wanted.what == "travel":
+        target = next(one.target for one in study.bodies if one.name == wanted.target)
+        return Before(at, rate - _speed_before(target, study, places, response))
+    return None
+
+
+def _speed_before(name: str, study: Study, places: Places, response: Response) -> float:
+    """Speed of a body, a point or the ground along the axis of the bodies before the first sample [m/s]."""
+    if name in response.bodies:
+        return float(response.bodies[name].velocity[0])
+    flown, row = _flown(response), _row_along(name, study, places, response)
+    return 0.0 if flown is None or row is None else float(row @ flown)
 
 
 def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
