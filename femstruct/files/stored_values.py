@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from copy import copy
 from dataclasses import is_dataclass, replace
 from enum import Enum
@@ -316,53 +316,64 @@ def stored(value: object, keep: Keep) -> Stored:
     >>> restored(tables, fetch=lambda place: None)
     [Finding(code='mechanism', message='It moves.', values={'share': nan}, severe=False)]
     """
-    nouns: list[dict[str, Any]] = []
-    known: dict[int, int] = {}
+    tables = _Tables(keep)
+    told = tables.table(value)
+    return Stored(tables.nouns, told)
 
-    def table(one: Any) -> Any:
+
+class _Tables:
+    """The nouns of a value while they are collected: each once, after those that it is made of."""
+
+    def __init__(self, keep: Keep) -> None:
+        self.nouns: list[dict[str, Any]] = []
+        self._keep = keep
+        self._known: dict[int, int] = {}  # numbers of nouns by their identity
+
+    def table(self, one: Any) -> Any:
+        """Any value as JSON has it."""
         if one is None or (isinstance(one, bool | int | str) and not isinstance(one, Enum)):
             return one
         if isinstance(one, float | np.floating):
             return float(one) if isfinite(one) else {"float": str(float(one))}
         if isinstance(one, np.generic):
-            return table(one.item())
+            return self.table(one.item())
         if isinstance(one, np.ndarray):
-            if one.size > INLINE:
-                return {"array": keep(one)}
-            return {"small": [str(one.dtype), one.shape, [table(number) for number in one.ravel().tolist()]]}
+            return self._array(one)
         if isinstance(one, NotKept):
             return {"not kept": one.what}
         if dataclasses.is_dataclass(one) or hasattr(one, "_fields"):
-            return {"noun": noun(one)}
-        return other(one)
-
-    def other(one: Any) -> Any:
-        if isinstance(one, Mapping):
-            kind = "view" if isinstance(one, MappingProxyType) else "map"
-            return {kind: [[table(key), table(item)] for key, item in one.items()]}
-        if isinstance(one, tuple):
-            return [table(item) for item in one]
-        if isinstance(one, list | set | frozenset):
-            return {type(one).__name__: [table(item) for item in one]}
+            return {"noun": self._noun(one)}
+        if isinstance(one, Mapping | tuple | list | set | frozenset):
+            return self._collection(one)
         if isinstance(one, csr_array):
-            return {"rows": [table(part) for part in (one.data, one.indices, one.indptr, one.shape)]}
+            return {"rows": [self.table(part) for part in (one.data, one.indices, one.indptr, one.shape)]}
         if isinstance(one, Enum):
             return {"enum": [tag_of(type(one)), one.name]}
         if isinstance(one, complex):
-            return {"complex": [table(one.real), table(one.imag)]}
+            return {"complex": [self.table(one.real), self.table(one.imag)]}
         if callable(one):
             return {"function": tag_of(one if hasattr(one, "__qualname__") else type(one))}
         raise FemstructError("results", got=f"a {type(one).__qualname__}", expected="nouns, numbers, texts, arrays")
 
-    def noun(one: Any) -> int:
-        if id(one) not in known:
-            names = getattr(one, "_fields", None) or [field.name for field in dataclasses.fields(one)]
-            nouns.append({_CLASS: tag_of(type(one))} | {name: table(getattr(one, name)) for name in names})
-            known[id(one)] = len(nouns) - 1
-        return known[id(one)]
+    def _array(self, one: Array) -> dict[str, Any]:
+        if one.size > INLINE:
+            return {"array": self._keep(one)}
+        return {"small": [str(one.dtype), one.shape, [self.table(number) for number in one.ravel().tolist()]]}
 
-    told = table(value)
-    return Stored(nouns, told)
+    def _collection(self, one: Mapping[Any, Any] | Collection[Any]) -> Any:
+        if isinstance(one, Mapping):
+            kind = "view" if isinstance(one, MappingProxyType) else "map"
+            return {kind: [[self.table(key), self.table(item)] for key, item in one.items()]}
+        items = [self.table(item) for item in one]
+        return items if isinstance(one, tuple) else {type(one).__name__: items}
+
+    def _noun(self, one: Any) -> int:
+        """Number of a noun, written where it is met first."""
+        if id(one) not in self._known:
+            names = getattr(one, "_fields", None) or [field.name for field in dataclasses.fields(one)]
+            self.nouns.append({_CLASS: tag_of(type(one))} | {name: self.table(getattr(one, name)) for name in names})
+            self._known[id(one)] = len(self.nouns) - 1
+        return self._known[id(one)]
 
 
 def restored(tables: Stored, fetch: Fetch) -> Any:

@@ -163,30 +163,34 @@ def varied_by(texts: Sequence[str], mistakes: Mistakes, *, ranges: bool = False)
 def _short(text: str, mistakes: Mistakes, ranges: bool) -> Tree:
     """What the command line varies, as a file would say it."""
     path, equals, written = (part.strip() for part in text.partition("="))
-    file, value = f"--vary {text}", dict[str, Any]()
+    file = f"--vary {text}"
+    value = _values(written, bool(equals and path), file, mistakes, ranges)
+    whole = {"vary": {path: value}} if value else {}
+    return Tree(file, whole, dict.fromkeys(((), ("vary", path)), Position(file)), {}, text)
+
+
+def _values(written: str, with_path: bool, file: str, mistakes: Mistakes, ranges: bool) -> dict[str, Any]:
+    """The values of a path: drawn, listed, one, or a range from end to end; {} with a mistake noted."""
     listed = parse_value(f"[{written}]", file, mistakes).value if "," in written else [written]
     ends = [one.strip() for one in written.split(":")] if len(listed) == 1 and "," not in written else [written]
     drawn = DRAWN.fullmatch(written)
     if drawn is not None and drawn[1] not in ("normal", "uniform"):
         do = near_one(drawn[1], ("normal", "uniform"))
         mistakes.add(Position(file), "", got=f"'{written}'", expected="normal(MEAN, SD) or uniform(FROM, TO)", do=do)
-    elif drawn is not None and equals and path:
+        return {}
+    if drawn is not None and with_path:
         pair = [one.strip() for one in drawn[2].split(",")]
-        value = (
-            {"uniform": pair} if drawn[1] == "uniform" else {"normal": dict(zip(("mean", "sd"), pair, strict=False))}
-        )
-    elif not (equals and path and written and all(ends)) or len(ends) > 4 or any(map(_range_in_list, listed[1:])):
+        return {"uniform": pair} if drawn[1] == "uniform" else {"normal": dict(zip(("mean", "sd"), pair, strict=False))}
+    if not (with_path and written and all(ends)) or len(ends) > 4 or any(map(_range_in_list, listed[1:])):
         mistakes.add(Position(file), "", got="no range and no list", expected="PATH=FROM:TO:STEPS", do=SHORT)
-    elif len(ends) == 1:
-        value = {"values": listed if "," in written else [parse_value(written, file, mistakes).value]}
-    else:
-        start, to, *more = ends
-        more = ["", *more] if ranges else more
-        value = {"from": start, "to": to}
-        value |= {"steps": parse_value(more[0], file, mistakes).value} if more and more[0] else {}
-        value |= {"scale": more[1]} if len(more) > 1 else {}
-    whole = {"vary": {path: value}} if value else {}
-    return Tree(file, whole, dict.fromkeys(((), ("vary", path)), Position(file)), {}, text)
+        return {}
+    if len(ends) == 1:
+        return {"values": listed if "," in written else [parse_value(written, file, mistakes).value]}
+    start, to, *more = ends
+    more = ["", *more] if ranges else more
+    value = {"from": start, "to": to}
+    value |= {"steps": parse_value(more[0], file, mistakes).value} if more and more[0] else {}
+    return value | ({"scale": more[1]} if len(more) > 1 else {})
 
 
 def _range_in_list(value: object) -> bool:
