@@ -160,55 +160,29 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     expect("simulate clock", clock, Clock, "Clock(duration, sampling) is one, in s and Hz")
     compiled = compile_scene(basis, scene, clock)
     system, nt = compiled.system, compiled.n_samples
-    m, r, k, modes = len(system.interfaces), len(system.rows), system.n_modes, len(basis.omega)
     state = state_at_start(compiled)
     record = room_for(system, nt)
     exact = takes_exact_march(system, nt / clock.sampling)
     run = _exactly if exact else _by_collocation
-    (status, when, n_history, n_events), motion = run_aside(lambda: run(compiled, clock, state, record), record.stop)
-    if status != DONE:
-        trouble = {
-            TOO_MANY_STEPS: f"{MAX_STEPS} steps by t = {when:g} s",
-            TOO_MANY_EVENTS: f"{n_events} closings and openings by t = {when:g} s: a contact chatters",
-            NO_FORCES: f"no contact force at t = {when:g} s",
-            STICKS: f"contacts or one-way dashpots that switch endlessly at t = {when:g} s",
-            STALLS: f"t = {when:g} s after the last {paced(system)} steps: {MAX_STEPS} such steps are too few",
-        }
-        raise NotConverged(
-            "impact",
-            got=trouble[status] + _suspect(compiled, state),
-            expected=f"to reach t = {clock.duration:g} s",
-            do="check stiffnesses and masses there, or use a larger tolerance",
-        )
-    part_history(compiled, record, n_history)
-    history, events, event_rows = record.history[:n_history], record.events[:n_events], record.event_rows[:n_events]
-    names = {a: name for name, rows in compiled.contacts.items() for a in rows}
-    log = tuple(
-        Event(float(row[TIME]), names[int(a)], "closes" if what == CLOSES else "opens")
-        for (a, what, _, _), row in zip(events, event_rows, strict=True)
-    )
-    for a, number in enumerate(record.latest):  # peaks since the last blow join those of the blows before
-        record.strike_peak[number, a] = record.peak[a]
-        record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
-    separation = _separation(events, event_rows, clock)
+    end, motion = run_aside(lambda: run(compiled, clock, state, record), record.stop)
+    if end.how != DONE:
+        raise _not_converged(end, compiled, state, clock)
+    part_history(compiled, record, end.rows)
+    log = _events(compiled, record, end.events)
+    _join_peaks(record)
+    separation = _separation(record.events[: end.events], record.event_rows[: end.events], clock)
+    history = record.history[: end.rows]
     book = ledger(history, separation, float(record.totals[WORKED]), float(record.totals[DRIFT]), scene, compiled)
-    place, speed = (seen(motion, what, system.rows[:m], system.tilts[:m]) for what in (DISPLACEMENT, VELOCITY))
-    forces, push = np.empty((m, nt)), np.empty((r, nt))
-    feel(system, state, compiled.halvings, record, Felt(place, speed, forces, push))
+    felt = _felt(compiled, motion, state, record)
     contacts = {
-        name: _contact(name, rows, compiled, record, place, forces, log) for name, rows in compiled.contacts.items()
+        name: _contact(name, rows, compiled, record, felt.place, felt.force, log)
+        for name, rows in compiled.contacts.items()
     }
     blows = blow_table(record, motion, basis.omega, compiled, scene, clock, log)
-    displacement, velocity = (
-        coordinates(motion, what, modes, modes + len(scene.bodies)) / compiled.scale[k:, None]
-        for what in (DISPLACEMENT, VELOCITY)
-    )
-    last, felt = state.v[k:] / compiled.scale[k:], (compiled.rows[:, modes:].T @ push) / compiled.scale[k:, None]
-    bodies = {
-        b.name: BodyHistory(displacement[i], velocity[i], felt[i], float(last[i])) for i, b in enumerate(scene.bodies)
-    }
+    bodies = _bodies(scene, compiled, motion, state, felt.push)
     endings = _endings(compiled, nt / clock.sampling, log, record, bodies)
     (outcome,) = outcomes_of(scene, endings, runs=1)
+    judged = _judged(compiled, record, endings, outcome, book.residual, clock, 0.0 if exact else system.tick)
     return Response(
         basis=basis,
         scene=scene,
@@ -216,19 +190,76 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
         t=np.arange(nt) / clock.sampling,
         motion=motion,
         pushed=compiled.pushed,
-        pushes=push,
+        pushes=felt.push,
         bodies=bodies,
         contacts=contacts,
-        links={name: forces[a] for name, a in compiled.links.items()},
+        links={name: felt.force[a] for name, a in compiled.links.items()},
         events=log,
         blows=blows,
         ledger=book,
         outcome=outcome,
         findings=(
-            *_findings(book, outcome, endings, contacts, compiled, scene, record, clock, exact),
+            *_findings(judged, book, contacts, scene, clock, rings=bool(system.reach[1] > 0.0)),
             *blow_findings(blows, scene, clock),
         ),
     )
+
+
+def _not_converged(end: Ended, compiled: Compiled, state: State, clock: Clock) -> NotConverged:
+    """Why a march ended before the window did, and the contact to look at."""
+    when = f"t = {end.when:g} s"
+    trouble = {
+        TOO_MANY_STEPS: f"{MAX_STEPS} steps by {when}",
+        TOO_MANY_EVENTS: f"{end.events} closings and openings by {when}: a contact chatters",
+        NO_FORCES: f"no contact force at {when}",
+        STICKS: f"contacts or one-way dashpots that switch endlessly at {when}",
+        STALLS: f"{when} after the last {paced(compiled.system)} steps: {MAX_STEPS} such steps are too few",
+    }
+    return NotConverged(
+        "impact",
+        got=trouble[end.how] + _suspect(compiled, state),
+        expected=f"to reach t = {clock.duration:g} s",
+        do="check stiffnesses and masses there, or use a larger tolerance",
+    )
+
+
+def _events(compiled: Compiled, record: RunRecord, count: int) -> tuple[Event, ...]:
+    """The closings and openings that a run logged."""
+    names = {a: name for name, rows in compiled.contacts.items() for a in rows}
+    return tuple(
+        Event(float(row[TIME]), names[int(a)], "closes" if what == CLOSES else "opens")
+        for (a, what, _, _), row in zip(record.events[:count], record.event_rows[:count], strict=True)
+    )
+
+
+def _join_peaks(record: RunRecord) -> None:
+    """Peaks since the last blow join those of the blows before, and the largest of all is that of the run."""
+    for a, number in enumerate(record.latest):
+        record.strike_peak[number, a] = record.peak[a]
+        record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
+
+
+def _felt(compiled: Compiled, motion: Motion, state: State, record: RunRecord) -> Felt:
+    """Forces of all interfaces and loads at the samples, from the motion."""
+    system, nt = compiled.system, compiled.n_samples
+    m, r = len(system.interfaces), len(system.rows)
+    place, speed = (seen(motion, what, system.rows[:m], system.tilts[:m]) for what in (DISPLACEMENT, VELOCITY))
+    felt = Felt(place, speed, np.empty((m, nt)), np.empty((r, nt)))
+    feel(system, state, compiled.halvings, record, felt)
+    return felt
+
+
+def _bodies(scene: Scene, compiled: Compiled, motion: Motion, state: State, push: Floats) -> dict[str, BodyHistory]:
+    """Motions of the bodies and what pushes them; push [r, nt] : forces of all rows."""
+    k, modes = compiled.system.n_modes, compiled.pushed.shape[1]
+    displacement, velocity = (
+        coordinates(motion, what, modes, modes + len(scene.bodies)) / compiled.scale[k:, None]
+        for what in (DISPLACEMENT, VELOCITY)
+    )
+    last, felt = state.v[k:] / compiled.scale[k:], (compiled.rows[:, modes:].T @ push) / compiled.scale[k:, None]
+    return {
+        b.name: BodyHistory(displacement[i], velocity[i], felt[i], float(last[i])) for i, b in enumerate(scene.bodies)
+    }
 
 
 def _exactly(compiled: Compiled, clock: Clock, state: State, record: RunRecord) -> tuple[Ended, Motion]:
@@ -324,29 +355,38 @@ def _endings(
     )
 
 
-def _findings(
-    book: EnergyLedger,
-    outcome: Outcome,
-    endings: Endings,
-    contacts: Mapping[str, ContactHistory],
+def _judged(
     compiled: Compiled,
-    scene: Scene,
     record: RunRecord,
+    endings: Endings,
+    outcome: Outcome,
+    residual: float,
     clock: Clock,
-    exact: bool,
-) -> tuple[Finding, ...]:
+    tick: float,
+) -> JudgedRun:
+    """What findings look at; residual : of the ledger. tick [s] : the shortest step, 0 for a march without one."""
     rows = compiled.contacts.items()
-    run = JudgedRun(
-        residual=book.residual,
+    return JudgedRun(
+        residual=residual,
         outcome=outcome,
         duration=clock.duration,
-        tick=0.0 if exact else compiled.system.tick,
+        tick=tick,
         closed_since={name: float(endings.last[name][0]) for name, closed in endings.closed.items() if closed[0]},
         deepest={name: float(max(record.deepest[a] for a in mine)) for name, mine in rows},
         lasting={name: float(min(record.shortest[a] for a in mine)) for name, mine in rows},
     )
+
+
+def _findings(
+    run: JudgedRun,
+    book: EnergyLedger,
+    contacts: Mapping[str, ContactHistory],
+    scene: Scene,
+    clock: Clock,
+    rings: bool,
+) -> tuple[Finding, ...]:
+    """What is to be known of a run; rings : whether the structure loses energy, so that its decay can be judged."""
     peaks = {name: contact.peak_force for name, contact in contacts.items()}
-    rings = compiled.system.reach[1] > 0.0
     return (
         *run_findings(scene.contacts, run),
         *(decay_findings(float(book.structure.max()), book.end.structure, clock.duration) if rings else ()),
