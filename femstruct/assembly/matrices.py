@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array, diags_array, vstack
@@ -243,38 +244,12 @@ def assemble(model: Model) -> Assembly:
     """
     expect("assemble", model, Model, "mesh_structure makes one of a Structure, read_model of a file")
     dofs = number_dofs(model)
-    stiffness: dict[str, csr_array] = {}
-    loss_factors: dict[str, Loss] = {}
-    masses: list[csr_array] = []
-    dashpots: list[csr_array] = []
-    for name, part in model.parts.items():
-        own_stiffness, own_mass = part.stiffness_and_mass()
-        masses.append(dofs.placed(name, own_mass))
-        shares = part.shares()
-        for share in shares:  # of layers that lose differently: each by its own share of the energy
-            stiffness[f"{name} ({share.name})"] = dofs.placed(name, share.stiffness)
-            loss_factors[f"{name} ({share.name})"] = share.loss_factor
-        if own_stiffness is not None and not shares:
-            stiffness[name] = dofs.placed(name, own_stiffness)
-            loss_factors[name] = part.loss_factor
-        if (own_dashpots := part.dashpots()) is not None:
-            dashpots.append(dofs.placed(name, own_dashpots))
+    terms = _terms_of_parts(model, dofs)
     for elastic in model.elastics:
-        rows = csr_array(elastic.rows @ dofs.output)
-        added = _congruent(rows, elastic.stiffness)
-        if elastic.name in stiffness:  # of a part that has both cells and springs
-            if elastic.loss_factor != loss_factors[elastic.name]:
-                both = (loss_factors[elastic.name], elastic.loss_factor)
-                told = " and ".join(f"{one:g}" if isinstance(one, float) else f"{one}" for one in both)
-                got = f"loss factors of {told}"
-                raise FemstructError(f"parts.{elastic.name}", got=got, expected="one for all that has its name")
-            added = csr_array(stiffness[elastic.name] + added)
-        stiffness[elastic.name] = added
-        dashpots.append(_congruent(rows, elastic.damping))
-        loss_factors[elastic.name] = elastic.loss_factor
-    masses += [_congruent(csr_array(inert.rows @ dofs.output), inert.mass) for inert in model.inerts]
+        _add_springs(terms, elastic, csr_array(elastic.rows @ dofs.output))
+    masses = [*terms.masses, *(_congruent(csr_array(one.rows @ dofs.output), one.mass) for one in model.inerts)]
     total, damping, mass = (
-        _sum_of_matrices(terms, dofs.count) for terms in (list(stiffness.values()), dashpots, masses)
+        _sum_of_matrices(some, dofs.count) for some in (list(terms.stiffness.values()), terms.dashpots, masses)
     )
     pushed = np.asarray(mass @ dofs.translations)
     for name, (first, own) in dofs.parts.items():
@@ -291,7 +266,7 @@ def assemble(model: Model) -> Assembly:
         )
     labels = DofLabels(model, dofs, solved.free)
     part_stiffness = {
-        name: _without_rounding(_on_free(matrix, solved), matrix, solved) for name, matrix in stiffness.items()
+        name: _without_rounding(_on_free(matrix, solved), matrix, solved) for name, matrix in terms.stiffness.items()
     }
     K = _total(part_stiffness, len(solved.free))
     M = _on_free(mass, solved)
@@ -305,13 +280,59 @@ def assemble(model: Model) -> Assembly:
         dofs=DofMap(csr_array(dofs.output @ solved.E), labels),
         points=model.mesh.points,
         part_stiffness=part_stiffness,
-        loss_factors=loss_factors,
+        loss_factors=terms.loss_factors,
         forces=force_rows(model, dofs, solved, equations, owners, (total, damping, mass), pushed),
         momentum=np.asarray(pushed.T @ solved.E),
         total_mass=sum(part_masses(model).values()),
         grounded=grounded(model),
         growing={one.name: one.grows_from for one in model.elastics if one.grows_from is not None},
     )
+
+
+class _Terms(NamedTuple):
+    """Matrices on raw degrees of freedom, before anything is eliminated; stiffnesses and their loss factors by name."""
+
+    stiffness: dict[str, csr_array]
+    loss_factors: dict[str, Loss]
+    masses: list[csr_array]
+    dashpots: list[csr_array]
+
+
+def _terms_of_parts(model: Model, dofs: RawDofs) -> _Terms:
+    """What the cells of all parts give."""
+    terms = _Terms({}, {}, [], [])
+    for name, part in model.parts.items():
+        own_stiffness, own_mass = part.stiffness_and_mass()
+        terms.masses.append(dofs.placed(name, own_mass))
+        shares = part.shares()
+        for share in shares:  # of layers that lose differently: each by its own share of the energy
+            terms.stiffness[f"{name} ({share.name})"] = dofs.placed(name, share.stiffness)
+            terms.loss_factors[f"{name} ({share.name})"] = share.loss_factor
+        if own_stiffness is not None and not shares:
+            terms.stiffness[name] = dofs.placed(name, own_stiffness)
+            terms.loss_factors[name] = part.loss_factor
+        if (own_dashpots := part.dashpots()) is not None:
+            terms.dashpots.append(dofs.placed(name, own_dashpots))
+    return terms
+
+
+def _add_springs(terms: _Terms, elastic: Elastic, rows: csr_array) -> None:
+    """Add springs and dashpots along rows of raw degrees of freedom, under the name of the part that has them, if any.
+
+    Raises FemstructError for springs that lose another share than the cells of that part.
+    """
+    name, added = elastic.name, _congruent(rows, elastic.stiffness)
+    if name in terms.stiffness:
+        if elastic.loss_factor != terms.loss_factors[name]:
+            both = (terms.loss_factors[name], elastic.loss_factor)
+            told = " and ".join(f"{one:g}" if isinstance(one, float) else f"{one}" for one in both)
+            raise FemstructError(
+                f"parts.{name}", got=f"loss factors of {told}", expected="one for all that has its name"
+            )
+        added = csr_array(terms.stiffness[name] + added)
+    terms.stiffness[name] = added
+    terms.dashpots.append(_congruent(rows, elastic.damping))
+    terms.loss_factors[name] = elastic.loss_factor
 
 
 def _congruent(rows: csr_array, values: Floats) -> csr_array:

@@ -243,20 +243,12 @@ def with_cavity(
     (0, array([19.4]))
     """
     room, name = placed.room, placed.name
-    if up_to_hz is None and not isfinite(room.complete_up_to_hz) and not 0 < basis.complete_below_hz < np.inf:
-        raise InputError(
-            f"rooms.{name}",
-            got="a basis in closed form",
-            expected="a frequency up to which the room's modes are kept",
-            do="give up_to_hz",
-        )
+    reach = _reach(basis, placed, up_to_hz)
     surfaces = placed.shapes(basis)
     omega, viscous = basis.omega, basis.viscous
     if leak is not None:
         surfaces = _leaking(surfaces, leak)
         omega, viscous = np.append(omega, 0.0), block_diag(viscous, np.array([[leak.resistance / leak.inertance]]))
-    reach = up_to_hz or basis.complete_below_hz
-    reach = reach if 0 < reach < np.inf else room.complete_up_to_hz
     air = room.coupled_air(surfaces, reach)
     free = np.append(np.array([kind == "rigid" for kind in basis.kind], dtype=bool), [True] * (leak is not None))
     n_rigid = int(free.sum()) - _resisted(air.compression[0, : len(omega)] * free, side_by_side(surfaces), room)
@@ -270,14 +262,13 @@ def with_cavity(
     coupled, turn, own, residual = coupled[order], turn[:, order], own[:, order], residual[order]
     viscous = turn.T @ (padded(viscous, len(turn)) + air.viscous) @ turn
     hysteretic = turn.T @ (padded(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
-    rigid = np.arange(len(coupled)) < n_rigid
-    hysteretic[rigid, :] = hysteretic[:, rigid] = 0.0
+    hysteretic[:n_rigid, :] = hysteretic[:, :n_rigid] = 0.0
     stray = stray_share(in_time(viscous, hysteretic, coupled), coupled, own[basis.modes], ~residual)
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
     kept = stray >= NEGLIGIBLE_DAMPING_COUPLING or leak is not None or bool(basis.volumes) or air.resisted
     kept = kept or bool(hidden.any())
     kinds: tuple[Kind, ...] = tuple(
-        "rigid" if still else "residual" if pseudo else "elastic" for still, pseudo in zip(rigid, residual, strict=True)
+        "rigid" if number < n_rigid else "residual" if pseudo else "elastic" for number, pseudo in enumerate(residual)
     )
     heavier = float(np.linalg.eigvalsh(air.mass[:k, :k]).max(initial=0.0))  # lowers modes that the basis lacks
     joined = in_new_modes(
@@ -297,6 +288,20 @@ def with_cavity(
     advised = [Finding(one.code, one.message, one.values) for one in room.coupling_advice(first_hz)]
     told = (what_it_did(basis, joined, own, air, (stray, kept), name), *cut(air, reach), *advised)
     return replace(joined, findings=(*basis.findings, *told))
+
+
+def _reach(basis: ModalBasis, placed: Placed, up_to_hz: float | None) -> float:
+    """Frequency up to which modes of the room are coordinates of their own [Hz]: the one that is given, else as far as
+    the structure's modes are complete, else as far as the room's are. Raises InputError where none is finite."""
+    if up_to_hz is None and not isfinite(placed.room.complete_up_to_hz) and not 0 < basis.complete_below_hz < np.inf:
+        raise InputError(
+            f"rooms.{placed.name}",
+            got="a basis in closed form",
+            expected="a frequency up to which the room's modes are kept",
+            do="give up_to_hz",
+        )
+    reach = up_to_hz or basis.complete_below_hz
+    return reach if 0 < reach < np.inf else placed.room.complete_up_to_hz
 
 
 def _holders(
