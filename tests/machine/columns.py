@@ -107,19 +107,36 @@ def _damped(rng: np.random.Generator, one: Subject, least: float = 0.03) -> None
 
 
 def _modes(rng: np.random.Generator, one: Subject) -> Case:
+    """Natural frequencies, and modal masses along each axis beside the largest there is."""
+    most = max(float(_modal_masses(one.form(one.draft)).sum(axis=0).max()), 1e-9)
+
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = np.array(one.ask(door, finer, "modes", "--count", str(_COUNT + one.still))["frequency_hz"])
-            return found[found > 1e-3]
+            found = one.ask(door, finer, "modes", "--count", str(_COUNT + one.still))
+            own, masses = np.array(found["frequency_hz"]), np.array([found["modal_mass_kg"][axis] for axis in "xyz"])
+            return np.r_[own[own > 1e-3], 1 + _weighted(own[own > 1e-3], masses[:, own > 1e-3].T) / most]
 
         answer = one.refine(model, ask)
         one.clear(door)
         return answer
 
     def right(model: Model, _: Door) -> Floats:
-        return one.form(model).modes(_COUNT)[0]
+        form = one.form(model)
+        own = form.modes(_COUNT)[0]
+        return np.r_[own, 1 + _weighted(own, _modal_masses(form)[:_COUNT]) / most]
 
     return Case(one.draft, asked, right, one.accuracy, one.reason, one.knobs, each=True)
+
+
+def _modal_masses(form: Linear) -> Floats:
+    """Of every mode along x, y, z [modes, 3]."""
+    return np.asarray((form.rides @ form.modes()[1]).T ** 2)
+
+
+def _weighted(own: Floats, masses: Floats) -> Floats:
+    """Sum of modal masses along each axis, the last mode without weight: of modes of one frequency only the sum is
+    known, and that of the last ones is cut."""
+    return np.asarray((1 - (own / own[-1]) ** 2) @ masses)
 
 
 def _losses(rng: np.random.Generator, one: Subject) -> Case:
@@ -176,9 +193,10 @@ def _statics(rng: np.random.Generator, one: Subject) -> Case:
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
             words = [word for words, size in forces.items() for word in ("--force", f"{words}={size} N")]
-            found = one.ask(door, finer, "statics", *words, *["--weight"] * int(kind > 0))["points"]
-            axes = ("x", "y", "z", "rx", "ry", "rz")
-            return np.array([found[place][axes.index(direction)] for place, direction in map(way, one.seen)])
+            found = one.ask(door, finer, "statics", *words, *["--weight"] * int(kind > 0))
+            axes, points = ("x", "y", "z", "rx", "ry", "rz"), found["points"]
+            moved = np.array([points[place][axes.index(direction)] for place, direction in map(way, one.seen)])
+            return np.r_[moved, np.abs(moved).max() * _missing(found, forces)]
 
         answer = one.refine(model, ask)
         one.clear(door)
@@ -187,10 +205,20 @@ def _statics(rng: np.random.Generator, one: Subject) -> Case:
     def right(model: Model, _: Door) -> Floats:
         form = one.form(model)
         found = form.rest(form.load({way(words): size for words, size in forces.items()}, bool(kind > 0)))
-        return np.array([form.rows[way(words)] @ found for words in one.seen])
+        return np.r_[[form.rows[way(words)] @ found for words in one.seen], np.zeros(6)]
 
     tolerance = one.accuracy if one.at_rest is None else one.at_rest
     return Case(one.draft, asked, right, tolerance, one.reason, one.knobs)
+
+
+def _missing(found: Mapping[str, Any], forces: Mapping[str, float]) -> Floats:
+    """What supports and springs to the ground miss of the load, and the load across z of the forces, over the load."""
+    load, inside = np.array(found["load_n"]), found["held_inside"]
+    held = np.sum([found["forces_n"][name] for name in found["on_the_ground"] if name != "ground"], axis=0)
+    pushed = [sum(size for words, size in forces.items() if way(words)[1] == axis) for axis in "xyz"]
+    aside = (load - pushed)[:2]
+    missing = load - held - (inside["force_n"] if inside else 0.0)
+    return np.asarray(np.r_[missing, aside, held[2] - found["forces_n"]["ground"][2]]) / np.linalg.norm(load)
 
 
 def _frf(rng: np.random.Generator, one: Subject) -> Case:
