@@ -243,14 +243,21 @@ class Path:
 
     def peak(self, name: str) -> float:
         """Largest force of a contact."""
-        number, most = next(i for i, one in enumerate(self.chain.touches) if one.name == name), 0.0
+        return self._top(name)[0]
+
+    def peak_time(self, name: str) -> float:
+        """When it is largest; 0 of one that never pushes."""
+        return self._top(name)[1]
+
+    def _top(self, name: str) -> tuple[float, float]:
+        number, most = next(i for i, one in enumerate(self.chain.touches) if one.name == name), (0.0, 0.0)
         for index, (_, on, _, t0, t1) in enumerate(self.segments):
             if not on[number] or not t1 > t0:
                 continue
             times = np.linspace(t0, t1, 201)
             felt = np.array([_felt(self, index, number, t) for t in times])
             top = int(felt.argmax())
-            most = max(most, felt[top])
+            most = max(most, (float(felt[top]), float(times[top])))
             bounds = (
                 times[max(top - 1, 0)],
                 times[min(top + 1, 200)],
@@ -259,8 +266,8 @@ class Path:
                 lambda t, i=index: -_felt(self, i, number, t), bounds=bounds, method="bounded",
                 options={"xatol": 1e-9 * (bounds[1] - bounds[0])},
             )  # fmt: skip
-            most = max(most, -found.fun)
-        return float(most)
+            most = max(most, (-float(found.fun), float(found.x)))
+        return most
 
     def touching(self, name: str) -> list[tuple[float, float]]:
         """From when to when a contact pushed."""
@@ -272,6 +279,28 @@ class Path:
             elif on[number]:
                 found.append((t0, t1))
         return found
+
+
+def rises(path: Path, name: str) -> list[tuple[float, float]]:
+    """From when to when a preloaded contact pushes by more than its preload."""
+    touch = next(one for one in path.chain.touches if one.name == name)
+    floor = 1e-7 * path.peak(name)  # at rest it pushes with the preload but for rounding
+    found: list[tuple[float, float]] = []
+    up, last = False, 0.0
+
+    def more(t: float) -> float:
+        return float(path.force(name, np.array([t]))[0]) - touch.preload
+
+    for _, _, _, t0, t1 in path.segments:
+        times = np.linspace(t0, t1, 80)[1:]
+        for t, size in zip(times, path.force(name, times) - touch.preload, strict=True):
+            if abs(size) > floor:
+                if (size > 0) != up:
+                    crossed = brentq(more, last, t, xtol=1e-14 * t1) if (more(last) > 0) != (size > 0) else last
+                    found = [*found, (crossed, np.inf)] if size > 0 else [*found[:-1], (found[-1][0], crossed)]
+                    up = not up
+                last = float(t)
+    return found
 
 
 def _felt(path: Path, index: int, number: int, t: float) -> float:
