@@ -15,7 +15,6 @@ from acoustics.errors import AcousticsError, Advice
 from acoustics.losses import Losses, modal_damping_ratios
 from acoustics.meshed.finite_elements import CELLS_PER_WAVE, CavityModes, drive, probe, wall_forces, with_answers
 from acoustics.meshed.walls import (
-    COUPLED,
     Answer,
     AnyWall,
     Wall,
@@ -60,9 +59,7 @@ def decays(modes: CavityModes, air: Air, losses: Losses, walls: Mapping[str, Any
     complex modes do.
     """
     taken = absorbed(modes, walls, air)
-    together, constant = solved_together(walls, coupling(modes, taken, air))
-    if together:
-        taken = taken if constant else np.diag(np.diag(taken))
+    if solved_together(walls, coupling(modes, taken, air)):
         poles, heard, driven = resonances(modes, air, losses, taken, wall_motion(modes, walls))
         squares = (np.abs(heard) ** 2).sum(axis=0) * (np.abs(driven) ** 2).sum(axis=1)
         ring = poles.imag > 0
@@ -131,9 +128,8 @@ def cavity_pressure(
         P_n = rho d(s) (integral of psi_n v) / (V (k_n^2 - k^2(s) + d(s)/c (integral of beta psi_n^2) / V))
 
     and the modes left out as pseudo-modes: their answers at rest to the shapes of the surface. Walls couple modes by
-    the integrals of beta psi_n psi_m; where these matter, beside the distance of the frequencies, and the walls are
-    constant in frequency, the coupled system is solved by its complex modes instead. So it is with walls that yield,
-    whose displacement is part of that system.
+    the integrals of beta psi_n psi_m: then the coupled system is solved by its complex modes, and so it is with walls
+    that yield, whose displacement is part of that system.
 
     A piston that stops after pushing 0.1 mm into a box of 1 m height compresses it by 1e-4:
 
@@ -289,17 +285,17 @@ def _way(
     loads = drive(modes, surface)
     listening = loads.T if places is None else probe(modes.mesh, places)
     coupled = coupling(modes, absorbed(modes, walls, air), air)
-    together, constant = solved_together(walls, coupled)
+    together = solved_together(walls, coupled)
     resistive = {name: wall for name, wall in walls.items() if isinstance(wall, Wall)}
     forces = [wall_forces(modes, wall) for wall in resistive] if together else []
     modes = with_answers(modes, np.hstack([loads, wall_motion(modes, walls).loads, *forces]))
     motion = wall_motion(modes, walls)  # in all that there is now of pressure on the walls
     taken = absorbed(modes, resistive, air)
     if together:
-        left, right, term = complex_modes(modes, air, losses, taken if constant else np.diag(np.diag(taken)), motion)
+        left, right, term = complex_modes(modes, air, losses, taken, motion)
     else:
         left, right, term = _separate_modes(modes, air, losses, taken)
-    advice = (coupled_walls(coupled),) if coupled > COUPLED and not constant else ()
+    advice = coupled_walls(walls, coupled)
     hearing, driving = np.asarray(listening @ modes.shapes), np.asarray(modes.shapes.T @ loads)
     if back:
         hearing, driving = driving.T, hearing.T

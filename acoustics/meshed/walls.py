@@ -36,7 +36,8 @@ class Wall:
 
     Notes
     -----
-    A real admittance that depends on frequency is no causal wall; it damps each mode with its value there.
+    A real admittance that depends on frequency is no causal wall; it damps each mode with its value there, and couples
+    two modes with the geometric mean of both.
 
     >>> Wall({100.0: 0.0, 400.0: 0.02}).at(np.array([50.0, 200.0])).round(9).tolist()
     [0.0, 0.01]
@@ -204,7 +205,7 @@ def wall_motion(modes: CavityModes, walls: Mapping[str, AnyWall]) -> WallMotion:
 # What the walls of a room of any shape absorb: how they damp its modes, and couple them.
 # ----------------------------------------------------------------------------------------------------------------------
 
-COUPLED: Final = 0.05  # what walls couple two modes by, over the distance of their frequencies, to need complex modes
+COUPLED: Final = 0.05  # what walls couple two modes by, over the distance of their frequencies, to matter
 
 
 def absorbed(modes: CavityModes, walls: Mapping[str, AnyWall], air: Air) -> Floats:
@@ -233,25 +234,28 @@ def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
     return float(ratio.max(initial=0.0))
 
 
-def solved_together(walls: Mapping[str, AnyWall], coupled: float) -> tuple[bool, bool]:
-    """Whether modes are complex ones that walls couple, and whether walls that absorb are the same at all frequencies.
+def solved_together(walls: Mapping[str, AnyWall], coupled: float) -> bool:
+    """Whether the modes of a room are complex ones, which walls couple, rather than each damped by itself.
 
-    coupled : of `coupling`. Constant walls are always solved together: also modes that they couple by less than
-    `COUPLED` have peaks that are 12 % off, and lines between them several decibels, if each is damped by itself.
+    coupled : of `coupling`. However little it is: in a tube whose end couples two modes by 0.02, modes that are damped
+    one by one have peaks that are 12 % off and dips between them that are 16 dB off.
     """
-    resistive = [wall for wall in walls.values() if isinstance(wall, Wall)]
-    constant = all(wall.constant for wall in resistive)
-    return len(resistive) < len(walls) or (coupled > 0.0 and constant), constant
+    return coupled > 0.0 or any(isinstance(wall, YieldingWall) for wall in walls.values())
 
 
-def coupled_walls(coupled: float) -> Advice:
-    """Advice ``coupled-absorption``: modes are damped one by one where walls couple them."""
-    return Advice(
-        "coupled-absorption",
-        f"the walls couple two room modes by {coupled:.2g} of the distance of their frequencies; {COUPLED:g} is "
-        "allowed. "
-        "The absorption depends on frequency, so each mode is damped separately, which is then a rough approximation",
-        {"coupling": coupled, "allowed": COUPLED},
+def coupled_walls(walls: Mapping[str, AnyWall], coupled: float) -> tuple[Advice, ...]:
+    """Advice ``coupled-absorption`` where walls couple modes by what depends on frequency: two modes are coupled by the
+    geometric mean of what damps each."""
+    if coupled <= COUPLED or all(wall.constant for wall in walls.values() if isinstance(wall, Wall)):
+        return ()
+    return (
+        Advice(
+            "coupled-absorption",
+            f"the walls couple two room modes by {coupled:.2g} of the distance of their frequencies; {COUPLED:g} is "
+            "allowed where absorption depends on frequency. The geometric mean of the admittances at both frequencies "
+            "is used, which is then an approximation between the modes",
+            {"coupling": coupled, "allowed": COUPLED},
+        ),
     )
 
 

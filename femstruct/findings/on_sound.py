@@ -357,15 +357,15 @@ ROOMS: Final = (
     ),
     Entry(
         "coupled-absorption",
-        "Absorbing walls couple the room modes, which damping of each mode by itself does not describe.",
+        "Walls whose absorption depends on frequency couple the room modes.",
         LIMITS,
-        "the absorption depends on frequency and couples two modes by more than the threshold",
-        "Read single room modes with care; third octaves are less affected.",
+        "they couple two modes by more than the threshold: the geometric mean of both admittances is used",
+        "Read single lines between the room modes with care; third octaves are less affected.",
         (
             Threshold(
                 0.05,
                 "of the distance of two frequencies",
-                "complex modes would be needed",
+                "the dependence on frequency matters between the modes",
                 CHOSEN,
                 "walls.COUPLED",
             ),
