@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,39 +16,67 @@ CONSTANT, HALF_SINE, TABLE = 0, 1, 2  # kinds of loads
 NUMBERS = 6  # of a row that a law brings
 
 Records = NDArray[np.void]
-INTERFACE = np.dtype(
-    [
-        ("kind", np.int64),
-        ("factor", np.int64),
-        ("straight", np.int64),
-        ("stiffness", np.float64),
-        ("closing", np.float64),
-        ("opening", np.float64),
-        ("offset", np.float64),
-        ("preload", np.float64),
-        ("tensile", np.int64),
-        ("release", np.int64),
-        ("shape", np.float64),
-        ("first", np.int64),
-        ("length", np.int64),
-        ("force_at", np.int64),
-        ("energy_at", np.int64),
-    ]
-)
-LOAD = np.dtype(
-    [
-        ("kind", np.int64),
-        ("value", np.float64),
-        ("frequency", np.float64),
-        ("first", np.int64),
-        ("length", np.int64),
-        ("start", np.float64),
-        ("every", np.float64),
-        ("count", np.int64),
-        ("span", np.float64),
-    ]
-)
-STRIKE = np.dtype([("tick", np.int64), ("over", np.int64), ("coordinate", np.int64), ("velocity", np.float64)])
+
+
+def _dtype_of(kind: type) -> np.dtype[np.void]:
+    """Records of whole and of real numbers, by the names of a named tuple."""
+    hints = get_type_hints(kind)
+    return np.dtype([(name, np.int64 if hints[name] is int else np.float64) for name in kind._fields])  # type: ignore[attr-defined]
+
+
+class InterfaceRecord(NamedTuple):
+    """What kernels know of a contact or a link.
+
+    kind : number of a contact's code in `laws.registry`, or LINK; factor : whether its dashpot is a factor of the
+    spring, closing then chi; straight : whether its numbers are constants, so that the exact march may take it;
+    indentation = displacement + offset; release in ticks, of a contact: of the first blow of a body it waits for;
+    shape : a law's other number; first, length point into the rows of numbers `System.curves` that a law brings;
+    force_at, energy_at : addresses of a user's functions.
+    """
+
+    kind: int
+    straight: int
+    stiffness: float
+    closing: float
+    opening: float
+    preload: float
+    release: int
+    factor: int = 0
+    offset: float = 0.0
+    tensile: int = 0
+    shape: float = 0.0
+    first: int = 0
+    length: int = 0
+    force_at: int = 0
+    energy_at: int = 0
+
+
+class LoadRecord(NamedTuple):
+    """What kernels know of a load: of a constant its value, of a half sine its value and frequency, of a table where
+    it begins (first, length) in `System.table`. It comes `repeats` times from start on, every `every`, and lasts for
+    span [s]."""
+
+    kind: int
+    start: float
+    value: float = 0.0
+    frequency: float = 0.0
+    first: int = 0
+    length: int = 0
+    every: float = 0.0
+    repeats: int = 1
+    span: float = 0.0
+
+
+class StrikeRecord(NamedTuple):
+    """A blow of a body: its tick, which of the rows `System.over` its coordinate is placed on, and its velocity."""
+
+    tick: int
+    over: int
+    coordinate: int
+    velocity: float
+
+
+INTERFACE, LOAD, STRIKE = _dtype_of(InterfaceRecord), _dtype_of(LoadRecord), _dtype_of(StrikeRecord)
 
 Interfaces = Annotated[Records, (INTERFACE, 1)]
 LoadRecords = Annotated[Records, (LOAD, 1)]
@@ -69,15 +97,10 @@ class System(NamedTuple):
     drives to v'; over_tilts [b, n] : beside over. modes, turn, surplus, misses : see `Oscillators`. All empty where
     nothing couples: then tilts and kicks are zero and drives are the rows. reach [2] : no mode's squared frequency and
     no damping of modes is larger, in their own coordinates.
-    interfaces : laws of contacts and links (INTERFACE). kind : number of a contact's code in `laws.registry`, or LINK;
-    factor : whether its dashpot is a factor of the spring, closing then chi; straight : whether its numbers are
-    constants, so that the exact march may take it; indentation = displacement + offset; release in ticks, of a contact:
-    of the first blow of a body it waits for; shape : a law's other number; first, length point into the rows of numbers
-    curves [p, 6] that a law brings; force_at, energy_at : addresses of a user's functions.
-    loads : histories (LOAD); first, length point into table [t, force]; each comes count times from start on, every
-    `every`, and lasts for span [s].
-    strikes : blows of bodies in the order of time (STRIKE): when, which of the rows `over` [b, n] the coordinate is
-    placed on (row . z is what it becomes), and its velocity. Those at tick 0 are the start itself.
+    interfaces : laws of contacts and links (`InterfaceRecord`); curves [p, 6] : rows of numbers that laws bring.
+    loads : histories (`LoadRecord`); table [t, force] : of those that have one.
+    strikes : blows of bodies in the order of time (`StrikeRecord`); over [b, n] : row . z is what a struck body's
+    coordinate becomes. Those at tick 0 are the start itself.
     kinks : ticks at which a load or a link changes its formula or a body strikes; tick [s].
     """
 

@@ -968,7 +968,7 @@ def takes_exact_march(system: System, duration: float) -> bool:
     """
     laws = system.interfaces["straight"].all()
     loads = np.isin(system.loads["kind"], (CONSTANT, HALF_SINE, TABLE)).all()
-    once = (system.loads["count"] == 1).all() and not system.loads["start"].any()
+    once = (system.loads["repeats"] == 1).all() and not system.loads["start"].any()
     waits = (system.interfaces["release"][system.interfaces["kind"] != LINK] > 0).any()
     if not (laws and loads and once) or waits or len(system.strikes):
         return False

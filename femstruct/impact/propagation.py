@@ -223,8 +223,8 @@ def load_at(system: System, i: int, t: float) -> float:
     if system.loads[i]["kind"] == CONSTANT:
         return float(system.loads[i]["value"]) if since >= 0.0 else 0.0
     first, last, every = 0, 0, system.loads[i]["every"]
-    if system.loads[i]["count"] > 1:
-        last = min(int(np.floor(since / every)), system.loads[i]["count"] - 1)
+    if system.loads[i]["repeats"] > 1:
+        last = min(int(np.floor(since / every)), system.loads[i]["repeats"] - 1)
         first = max(int(np.floor((since - system.loads[i]["span"]) / every)), 0)
     total = 0.0
     for n in range(first, last + 1):

@@ -18,7 +18,10 @@ from femstruct.compiled.records import (
     NUMBERS,
     STRIKE,
     TABLE,
+    InterfaceRecord,
+    LoadRecord,
     Records,
+    StrikeRecord,
     System,
     uncoupled,
 )
@@ -194,7 +197,7 @@ class _Interfaces:
 
     def __init__(self) -> None:
         self.rows: list[Floats] = []
-        self.laws: list[tuple[float, ...]] = []
+        self.laws: list[InterfaceRecord] = []
         self.curves: list[Floats] = []
 
     def add_contact(self, contact: Contact, on: _Coordinates) -> tuple[int, ...]:
@@ -214,7 +217,15 @@ class _Interfaces:
         self.rows.append(on.approach(link.upper, link.lower, f"links.{link.name}"))
         release = round(link.release_at / on.tick)
         self.laws.append(
-            (LINK, 0, 1, link.stiffness, link.closing, link.opening, 0.0, link.preload, 0, release, 0.0, 0, 0, 0, 0)
+            InterfaceRecord(
+                kind=LINK,
+                straight=True,
+                stiffness=link.stiffness,
+                closing=link.closing,
+                opening=link.opening,
+                preload=link.preload,
+                release=release,
+            )
         )
         return len(self.rows) - 1
 
@@ -223,22 +234,22 @@ class _Interfaces:
         stored, first = law.stored, sum(map(len, self.curves))
         self.curves.append(stored.rows)
         self.laws.append(
-            (
-                CODES.index(law.code),
-                int(law.code.force is None),
-                int(law.straight),
-                stored.stiffness,
-                stored.damping,
-                stored.damping,
-                offset,
-                preload,
-                int(law.tensile),
-                release,
-                stored.shape,
-                first,
-                len(stored.rows),
-                stored.force_at,
-                stored.energy_at,
+            InterfaceRecord(
+                kind=CODES.index(law.code),
+                factor=law.code.force is None,
+                straight=law.straight,
+                stiffness=stored.stiffness,
+                closing=stored.damping,
+                opening=stored.damping,
+                offset=offset,
+                preload=preload,
+                tensile=law.tensile,
+                release=release,
+                shape=stored.shape,
+                first=first,
+                length=len(stored.rows),
+                force_at=stored.force_at,
+                energy_at=stored.energy_at,
             )
         )
 
@@ -248,22 +259,23 @@ class _Loads:
 
     def __init__(self) -> None:
         self.rows: list[Floats] = []
-        self.laws: list[tuple[float, ...]] = []
+        self.laws: list[LoadRecord] = []
         self.times: list[float] = []
         self.values: list[float] = []
 
     def add(self, load: Load, on: _Coordinates, duration: float) -> set[int]:
         """Returns the ticks at which its formula changes."""
         self.rows.append(on.row(load.on, f"loads.{load.name}"))
-        history, times = load.history, (load.first, load.every, load.count)
+        history = load.history
         if isinstance(history, HalfSine):
             bends = np.array([0.0, 0.5 / history.frequency])
-            self.laws.append((HALF_SINE, history.amplitude, history.frequency, 0, 0, *times, bends[-1]))
+            law = LoadRecord(HALF_SINE, load.first, value=history.amplitude, frequency=history.frequency)
         else:
             bends = np.asarray(history.times)
-            self.laws.append((TABLE, 0.0, 0.0, len(self.times), len(bends), *times, bends[-1]))
+            law = LoadRecord(TABLE, load.first, first=len(self.times), length=len(bends))
             self.times.extend(history.times)
             self.values.extend(history.values)
+        self.laws.append(law._replace(every=load.every, repeats=load.count, span=bends[-1]))
         starts = load.first + load.every * np.arange(load.count)
         changes = np.add.outer(starts[starts < duration], bends).ravel()
         return set(np.rint(changes[changes < duration] / on.tick).astype(np.int64).tolist())
@@ -275,7 +287,7 @@ class _Loads:
         for begin in sorted(falling):
             falls = [float(body.falls and at == begin) for at, body in zip(since, scene.bodies, strict=True)]
             self.rows.append(np.concatenate((np.zeros(len(on.basis.omega)), falls)) * on.scale)
-            self.laws.append((CONSTANT, -scene.gravity, 0.0, 0, 0, begin * on.tick, 0.0, 1, 0.0))
+            self.laws.append(LoadRecord(CONSTANT, begin * on.tick, value=-scene.gravity))
         return falling
 
 
@@ -287,8 +299,8 @@ def _strikes(scene: Scene, bodies: Mapping[str, int], k: int, scale: Floats, tic
         velocity = scene.bodies[i].velocity * scale[k + i]
         ticks = np.rint(blows.times / tick)
         times = ticks[ticks < end].astype(np.int64)  # later ones may be beyond whole numbers
-        found += [(int(at), number, k + i, velocity) for at in times]
-    return np.array(sorted(found, key=lambda strike: strike[0]), dtype=STRIKE)
+        found += [StrikeRecord(int(at), over=number, coordinate=k + i, velocity=velocity) for at in times]
+    return np.array(sorted(found, key=lambda strike: strike.tick), dtype=STRIKE)
 
 
 def _refuse_held(scene: Scene, bodies: Mapping[str, int]) -> None:
