@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
-from math import ceil, floor, inf, log, log10, nan, pi, sin
+from math import ceil, cos, floor, inf, log, log10, nan, pi, sin
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -54,7 +54,7 @@ Fraction = Literal[1, 3]
 _HALF: Final = {1: 0.15, 3: 0.05}  # decades from a centre to its edges
 THIRD_EDGE: Final = 10**0.05  # upper edge of a third octave over its centre
 _NOMINAL: Final = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)  # IEC 61260-1 annex E, one decade
-_SIN_PI_8: Final = sin(pi / 8)
+_NEAREST: Final = complex(-sin(pi / 8), cos(pi / 8))  # of the poles of the low-pass prototype, order 4, to the axis
 
 
 def third_octave_bands(sampling_hz: float, lowest_hz: float = LOWEST_HZ) -> dict[float, float]:
@@ -100,10 +100,13 @@ def band_filter(centre_hz: float, sampling_hz: float, fraction: Fraction = 3) ->
 def ringing_time(centre_hz: float, fraction: Fraction = 3) -> float:
     """Time [s] in which a band filter's slowest pole decays by 60 dB.
 
-    The poles of the order-4 prototype nearest the axis have the real part sin(pi/8) of half the bandwidth.
+    A pole p of the prototype becomes two of the band pass, h p +- sqrt((h p)^2 - 1) of the centre, h half the relative
+    bandwidth; the slowest is the lower one of a p nearest the axis.
     """
-    width = 10 ** _HALF[fraction] - 10 ** -_HALF[fraction]
-    return 3 * log(10) / (_SIN_PI_8 * pi * centre_hz * width)
+    half = 0.5 * (10 ** _HALF[fraction] - 10 ** -_HALF[fraction])
+    between = half * _NEAREST
+    slowest = min(abs((between + side * (between**2 - 1) ** 0.5).real) for side in (1, -1))
+    return 3 * log(10) / (2 * pi * centre_hz * slowest)
 
 
 def _centres(sampling_hz: float, fraction: Fraction, lowest_hz: float = LOWEST_HZ) -> dict[float, float]:

@@ -42,6 +42,13 @@ def a_filter(f: Floats) -> Floats:
     return gain / abs(t**4 * w4**2 / ((t + w1) ** 2 * (t + w2) * (t + w3) * (t + w4) ** 2))
 
 
+def c_filter(f: Floats) -> Floats:
+    """C weighting with its phase: poles of annex E, causal."""
+    s, t = 2j * np.pi * np.asarray(f, float), 2j * np.pi * 1000.0
+    w1, w4 = 2 * np.pi * 20.598997, 2 * np.pi * 12194.217
+    return (s / (s + w1) / (s + w4)) ** 2 / abs(t / (t + w1) / (t + w4)) ** 2
+
+
 def passed(history: Floats, sampling: float, filter: object) -> Floats:
     """A history through a causal filter of frequency, silence around it."""
     n = 1 << ceil(np.log2(len(history) + 2 * sampling))

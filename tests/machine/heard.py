@@ -56,11 +56,11 @@ def _fast(square: Floats, rate: float, seconds: float) -> float:
 
 @capability("levels: single numbers of its own sound", "relation", slow=True)
 def _(rng: np.random.Generator) -> Case:
-    """Peak, A-weighted Fast, Slow and exposure."""
+    """Peaks, A-weighted Fast, Slow, Impulse (35 ms, then held) and exposure."""
 
     def asked(model: Model, door: Door) -> Floats:
         found = _answers(model, door)["levels"]["room.mic"]
-        return np.array([found[f"l_{one}_db"] for one in ("peak", "afmax", "asmax", "ae", "aeq")])
+        return np.array([found[f"l_{one}_db"] for one in ("peak", "cpeak", "afmax", "asmax", "aimax", "ae", "aeq")])
 
     def right(model: Model, door: Door) -> Floats:
         p = _pressure(model, door)
@@ -69,9 +69,10 @@ def _(rng: np.random.Generator) -> Case:
         once = 10 * np.log10(energy / levels.P0**2)
         mean = 10 * np.log10(model["study"]["time"]["duration"])
         peak = 20 * np.log10(np.abs(p).max() / levels.P0)
-        return np.array([peak, *(_fast(heard**2, _RATE, one) for one in (0.125, 1.0)), once, once - mean])
+        flat = 20 * np.log10(np.abs(levels.passed(p, _RATE, levels.c_filter)).max() / levels.P0)
+        return np.array([peak, flat, *(_fast(heard**2, _RATE, one) for one in (0.125, 1.0, 0.035)), once, once - mean])
 
-    return Case(struck(rng), asked, right, 1e-3, _WHY, each=True)
+    return Case(struck(rng), asked, right, 1e-5, "the same sound through the same filters: rounding", each=True)
 
 
 def _band(p: Floats, nominal: float, fraction: int) -> Floats:

@@ -72,6 +72,15 @@ def test_time_weightings_are_those_of_the_recursion() -> None:
     assert time_weighted(long, 1e-3, "F")[-1] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("fraction", [1, 3])
+def test_ringing_time_is_that_of_the_slowest_pole(fraction) -> None:
+    """60 dB of the pole of the analogue filter that is nearest the axis."""
+    edge = 10 ** (0.15 / fraction)
+    poles = scipy.signal.butter(4, [1 / edge, edge], "bandpass", analog=True, output="zpk")[1]
+    wanted = 3 * np.log(10) / (2 * np.pi * 125.0 * np.abs(poles.real).min())
+    assert ringing_time(125.0, fraction) == pytest.approx(wanted, rel=1e-9)  # poles of a polynomial by scipy
+
+
 def test_levels_need_no_signal_package() -> None:
     """Importing scipy.signal takes longer than the levels of a record."""
     code = (
