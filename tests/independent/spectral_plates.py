@@ -316,11 +316,16 @@ class Built:
         return csr_array((value, (row, column)), shape=(self.count, len(free)))
 
     def matrix(self, key: str) -> csr_array:
-        parts = self._parts[key]
-        row = np.concatenate([np.repeat(at, len(at)) for at, _ in parts])
-        column = np.concatenate([np.tile(at, len(at)) for at, _ in parts])
-        value = np.concatenate([matrix.ravel() for _, matrix in parts])
-        return csr_array(coo_array((value, (row, column)), shape=(self.count, self.count)))
+        row, column, value = [], [], []
+        for at, matrix in self._parts[key]:
+            i, j = np.nonzero(matrix)
+            row.append(at[i])
+            column.append(at[j])
+            value.append(matrix[i, j])
+        if not row:
+            return csr_array((self.count, self.count))
+        entries = np.concatenate(value), (np.concatenate(row), np.concatenate(column))
+        return csr_array(coo_array(entries, shape=(self.count, self.count)))
 
     def row(self, name: str, x: float, y: float, way: str) -> Floats:
         """Of a motion of a place of a plate along or about a global axis [all]."""
