@@ -1,4 +1,8 @@
-"""Nouns whose fields are what they are declared to be: a wrong type or shape is refused where a noun is made."""
+"""Nouns whose fields are what they are declared to be: a wrong type or shape is refused where a noun is made.
+
+A field that is annotated with a quantity takes a number in SI units or a text with a unit, within its limits. The same
+declaration makes the keys of study and model files (`femstruct.yaml.spec.spec_of`).
+"""
 
 from __future__ import annotations
 
@@ -7,15 +11,16 @@ import collections.abc
 import math
 import sys
 import types
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, InitVar
 from functools import cache
 from inspect import get_annotations
-from typing import Annotated, Any, Final, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
 from femstruct.errors import InputError, cut
+from femstruct.quantities import PowerStiffness, Quantity, refuse
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 
 T = TypeVar("T")
@@ -36,19 +41,47 @@ _SHOWN: Final = 80  # characters of a value
 
 
 class _Kind(NamedTuple):
-    """What a field may hold, as words for one and for many; kept : the value as the noun keeps it, or _WRONG."""
+    """What a field may hold, as words for one and for many; kept : the value as the noun keeps it, or _WRONG, or a
+    QuantityError is raised."""
 
     one: str
     many: str
     kept: Callable[[Any], Any]
 
 
+class Key(NamedTuple):
+    """Annotation of a field whose key in files is not itself. name : of the key, None where files have none.
+    default : where a file leaves it out, of a field that Python must give."""
+
+    name: str | None = ""
+    default: Any = MISSING
+
+
+class Declared(NamedTuple):
+    """What a noun is given: `default` is MISSING where it must be, `stays` where it is a field."""
+
+    annotation: Any
+    default: Any
+    stays: bool
+    kind: _Kind
+    quantity: Quantity | PowerStiffness | None
+    key: Key
+
+
+UNTOLD: Final[Any] = None
+"""Default of what follows from other fields, or what a file tells elsewhere: where it does not, the noun refuses it."""
+
+
 def checked(group: str, **expected: str) -> Callable[[type[T]], type[T]]:
     """Decorator of a frozen dataclass, below ``@dataclass``: before its own ``__post_init__`` every field is compared
     with its annotation.
 
-    A list or an array where a tuple is declared becomes one; numbers are finite. group : of the noun's name in
-    messages. expected : of fields whose annotation does not say all; {value} in it is what was got.
+    A list or an array where a tuple is declared becomes one; numbers are finite; a text becomes the quantity that its
+    field is annotated with. Fields of which only one or all together mean something stand in `one_of`,
+    `at_most_one_of` and `only_with` of the class, as the keys of a mapping do (`femstruct.yaml.spec.Spec`).
+
+    group : of the noun's name in messages; "{word} law" is followed by the field alone. expected : of fields whose
+    annotation does not say all; {value} in it is what was got.
 
     Raises InputError, as do all nouns: the field, what was got, what was expected.
 
@@ -67,12 +100,15 @@ def checked(group: str, **expected: str) -> Callable[[type[T]], type[T]]:
     """
 
     def decorate(kind: type[T]) -> type[T]:
-        further: Callable[[Any], None] | None = vars(kind).get("__post_init__")
+        found: Any = getattr(kind, "__post_init__", None)
+        further: Callable[..., None] | None = getattr(found, "further", found)  # of a base that is compared as well
 
-        def compared(self: Any) -> None:
-            _compare(self, group, expected)
+        def compared(self: Any, *beside: Any) -> None:
+            kept = _compare(self, group, expected, beside)
             if further is not None:
-                further(self)
+                further(self, *kept)
+
+        compared.further = further  # type: ignore[attr-defined]  # for classes that extend it
 
         kind.__post_init__ = compared  # type: ignore[attr-defined]  # dataclass calls it
         return kind
@@ -99,17 +135,82 @@ def expect(where: str, value: Any, kind: Any, do: str = "") -> Any:
     return kept
 
 
-def _compare(noun: Any, group: str, expected: Mapping[str, str]) -> None:
-    for name, kind in _kinds(noun.__class__).items():
-        value = getattr(noun, name)
-        kept = kind.kept(value)
+def _compare(noun: Any, group: str, expected: Mapping[str, str], beside: tuple[Any, ...]) -> list[Any]:
+    """Compare all that a noun was given. beside : what it was given and has no field for (`InitVar`), which is returned
+    as it is kept."""
+    found = declared(noun.__class__)
+    extra = dict(zip((name for name, one in found.items() if not one.stays), beside, strict=True))
+    for name, one in found.items():
+        value = getattr(noun, name) if one.stays else extra[name]
+        if value is one.default:
+            continue
+        power = one.quantity if isinstance(one.quantity, PowerStiffness) else None
+        try:
+            kept = one.kind.kept(value if power is None else (value, getattr(noun, power.exponent)))
+        except QuantityError as error:
+            raise InputError(_where(noun, group, name), got=error.got, expected=error.expected, do=error.do) from None
         if kept is _WRONG:
-            called = getattr(noun, "name", None)
-            where = ".".join(one for one in (group, called, name) if isinstance(one, str))
-            words = expected.get(name, kind.one).format(value=_shown(value))
-            raise InputError(where, got=_shown(value), expected=words, do=_plain(value, kind))
-        if kept is not value:
+            words = expected.get(name, one.kind.one).format(value=_shown(value))
+            where, do = _where(noun, group, name), _plain(value, one.kind)
+            raise InputError(where, got=_shown(value), expected=words, do=do)
+        if not one.stays:
+            extra[name] = kept
+        elif kept is not value:
             object.__setattr__(noun, name, kept)
+    if names := _related(noun.__class__):
+        given = {name: extra[name] if name in extra else getattr(noun, name) for name in names}
+        try:
+            refuse_together(
+                noun, {name: None if _same(one, found[name].default) else one for name, one in given.items()}
+            )
+        except QuantityError as error:
+            raise InputError(_where(noun, group), got=error.got, expected=error.expected, do=error.do) from None
+    return list(extra.values())
+
+
+def _where(noun: Any, group: str, *names: str) -> str:
+    if "{" in group:
+        return " ".join((group.format(word=noun.word), *names))
+    return ".".join(one for one in (group, getattr(noun, "name", None), *names) if isinstance(one, str))
+
+
+def _same(value: object, default: object) -> bool:
+    return value is default or (isinstance(value, int | float | str) and value == default)
+
+
+@cache
+def _related(noun: Any) -> tuple[str, ...]:
+    """The fields that mean something together or alone only."""
+    alone = [name for word in ("one_of", "at_most_one_of") for names in getattr(noun, word, ()) for name in names]
+    needed = [name for key, others in getattr(noun, "only_with", ()) for name in (key, *others)]
+    return tuple(dict.fromkeys(alone + needed))
+
+
+def refuse_together(noun: Any, given: Mapping[str, object]) -> None:
+    """Raise QuantityError for keys that exclude or need each other by `one_of`, `at_most_one_of`, `only_with`."""
+    for names in getattr(noun, "one_of", ()):
+        exactly_one(given, names)
+    for names in getattr(noun, "at_most_one_of", ()):
+        exactly_one(given, names, or_none=True)
+    for key, others in getattr(noun, "only_with", ()):
+        missing = [other for other in others if given.get(key) is not None and given.get(other) is None]
+        if missing:
+            raise refuse(
+                f"{key} without {missing[0]}",
+                f"'{missing[0]}' beside '{key}'",
+                f"add '{missing[0]}: ...', or remove '{key}'",
+            )
+
+
+def exactly_one(given: Mapping[str, object], names: Sequence[str], or_none: bool = False) -> None:
+    """Refuse a mapping with several of these keys, or with none of them; a key without a value is not given."""
+    told = [name for name in names if given.get(name) is not None]
+    if len(told) > 1 or not (told or or_none):
+        raise refuse(
+            f"both {' and '.join(told)}" if told else f"none of {', '.join(names)}",
+            f"exactly one of {', '.join(names)}",
+            "remove all but one" if told else "add one",
+        )
 
 
 def _shown(value: object) -> str:
@@ -128,12 +229,35 @@ def _plain(value: object, kind: _Kind) -> str:
 
 
 @cache
-def _kinds(noun: Any) -> dict[str, _Kind]:
-    """What the fields of a noun may hold, by name."""
-    declared: dict[str, Any] = {}
+def declared(noun: Any) -> dict[str, Declared]:
+    """What a frozen dataclass is given, by name, what depends on others behind them."""
+    annotated: dict[str, Any] = {}
     for one in reversed(noun.__mro__):
-        declared |= get_annotations(one, eval_str=True, locals=_Names(vars(sys.modules[one.__module__])))
-    return {field.name: _kind(declared[field.name]) for field in fields(noun) if field.init}
+        annotated |= get_annotations(one, eval_str=True, locals=_Names(vars(sys.modules[one.__module__])))
+    found = {}
+    for name, field in noun.__dataclass_fields__.items():
+        beside = isinstance(annotated[name], InitVar)
+        if field.init and ClassVar not in (annotated[name], get_origin(annotated[name])):
+            found[name] = _declared(annotated[name].type if beside else annotated[name], field.default, not beside)
+    return dict(sorted(found.items(), key=lambda item: isinstance(item[1].quantity, PowerStiffness)))
+
+
+def _declared(annotation: Any, default: Any, stays: bool) -> Declared:
+    told = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
+    key = next((one for one in told if isinstance(one, Key)), Key())
+    quantity = next((one for one in told if isinstance(one, Quantity | PowerStiffness)), None)
+    return Declared(annotation, default, stays, _kind(annotation), quantity, key)
+
+
+def units_of(noun: Any) -> dict[str, str]:
+    """The units of the fields of a noun in tables, of those that are quantities with one."""
+    found = {}
+    for name, one in declared(noun.__class__).items():
+        if isinstance(one.quantity, PowerStiffness):
+            found[name] = one.quantity.unit_of(getattr(noun, one.quantity.exponent))
+        elif one.quantity is not None:
+            found[name] = one.quantity.unit
+    return found
 
 
 @cache
@@ -155,8 +279,14 @@ def _kind(annotation: Any) -> _Kind:
     if annotation in _PLAIN:
         return _PLAIN[annotation]
     if origin is Annotated:
-        bound = next((one for one in inside[1:] if isinstance(one, Bound)), None)
-        return _kind(inside[0]) if bound is None else _bounded(_kind(inside[0]), bound)
+        for one in inside[1:]:
+            if isinstance(one, Bound):
+                return _bounded(_kind(inside[0]), one)
+            if isinstance(one, PowerStiffness):
+                return _power(one)
+            if isinstance(one, Quantity) and inside[0] is float:
+                return _quantity(one)
+        return _kind(inside[0])
     if origin is Literal:
         words = " or ".join(map(str, inside))
         return _Kind(words, words, lambda value: value if _is_one_of(value, inside) else _WRONG)
@@ -191,13 +321,53 @@ def _bounded(kind: _Kind, bound: Bound) -> _Kind:
     return _Kind(bound.words, kind.many, kept)
 
 
+def _quantity(quantity: Quantity) -> _Kind:
+    """A number in SI units, or a text with a unit."""
+
+    def kept(value: Any) -> Any:
+        if isinstance(value, str):
+            return quantity.read(value)
+        if _number(value) is _WRONG:
+            return _WRONG
+        quantity.refuse_beyond(float(value), value, DIMENSIONS[quantity.dimensions[0]])
+        return value
+
+    return _Kind(quantity.told, f"values, each {quantity.told}", kept)
+
+
+def _power(stiffness: PowerStiffness) -> _Kind:
+    """The same of a stiffness of a power; what is kept is made of it and the exponent."""
+
+    def kept(pair: Any) -> Any:
+        value, exponent = pair
+        if isinstance(value, str):
+            return stiffness.read(value, exponent)
+        if _number(value) is _WRONG:
+            return _WRONG
+        stiffness.read(float(value), exponent)
+        return value
+
+    return _Kind("a stiffness", "stiffnesses", kept)
+
+
 def _is_one_of(value: object, words: tuple[object, ...]) -> bool:
     return isinstance(value, str | int) and value in words
 
 
 def _either(kinds: list[_Kind]) -> _Kind:
     def kept(value: Any) -> Any:
-        return next((read for kind in kinds if (read := kind.kept(value)) is not _WRONG), _WRONG)
+        refusal = None
+        for kind in kinds:
+            try:
+                read = kind.kept(value)
+            except QuantityError as error:
+                refusal = error
+            else:
+                if read is not _WRONG:
+                    return read
+        if refusal is not None:
+            raise refusal
+        return _WRONG
 
     return _Kind(" or ".join(kind.one for kind in kinds), " or ".join(kind.many for kind in kinds), kept)
 

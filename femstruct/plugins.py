@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from importlib.metadata import EntryPoint, distributions
 from inspect import isabstract
 from typing import Any, Final, NamedTuple
@@ -18,27 +19,55 @@ class Added(NamedTuple):
     source: str
 
 
-def added_kinds(group: str, base: type) -> tuple[Added, ...]:
+def added_kinds(group: str, base: type, was: str = "") -> tuple[Added, ...]:
     """The classes that installed packages add to a group of entry points, by name.
 
-    Raises FemstructError, with the name of the package, for one that cannot be loaded or is no complete `base`.
+    was : a group that this one stands for as well: what it had to say, the classes declare now.
+
+    Raises FemstructError, with the name of the package, for one that cannot be loaded or is no complete `base`, and for
+    what is in the group that was.
 
     >>> added_kinds("femstruct.nothing", int)
     ()
     """
     # importlib.metadata.entry_points parses the files of all packages, which takes ten times as long.
-    packages = [one for one in distributions() if f"[{group}]" in (one.read_text("entry_points.txt") or "")]
+    heads = [f"[{one}]" for one in (group, was) if one]
+    texts = [(one, one.read_text("entry_points.txt") or "") for one in distributions()]
+    packages = [one for one, text in texts if any(head in text for head in heads)]
     first_on_path = {package.name: package for package in reversed(packages)}
     found = [
-        (entry, f"{package.name} {package.version}")
+        (entry, f"package {package.name} {package.version}, entry point {entry.name} = {entry.value}")
         for package in first_on_path.values()
-        for entry in package.entry_points.select(group=group)
+        for entry in package.entry_points
+        if entry.group in (group, was)
     ]
-    return tuple(_loaded(entry, package, base) for entry, package in sorted(found, key=lambda one: one[0].name))
+    for entry, source in found:
+        if was and entry.group == was:
+            do = f"annotate its fields with their quantities, and leave '{entry.name}' out of {was}"
+            raise FemstructError(source, got=f"the group {was}", expected=f"one class, in the group {group}", do=do)
+    return tuple(_loaded(entry, source, base) for entry, source in sorted(found, key=lambda one: one[0].name))
 
 
-def _loaded(entry: EntryPoint, package: str, base: type) -> Added:
-    source = f"package {package}, entry point {entry.name} = {entry.value}"
+def with_added(own: Sequence[Any], added: Iterable[Added], words: Callable[[Any], tuple[str, ...]]) -> tuple[Any, ...]:
+    """Kinds of our own, then those that other packages add. words : what tells a kind in files.
+
+    Raises FemstructError for one of another package that has no word, or one that is taken.
+    """
+    taken = {word: one for one in own for word in words(one)}
+    for kind, source in added:
+        told = words(kind)
+        if not told or told[0] in taken:
+            raise FemstructError(
+                source,
+                got=(f"type: {', '.join(told)}, taken by {taken[told[0]].__module__}" if told else "no type"),
+                expected='a word of its own, type: Literal["word"]',
+                do=MEND,
+            )
+        taken |= dict.fromkeys(told, kind)
+    return tuple(dict.fromkeys((*own, *taken.values())))
+
+
+def _loaded(entry: EntryPoint, source: str, base: type) -> Added:
     try:
         kind = entry.load()
     except Exception as error:  # the code of another package, which may raise anything while it is imported

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Final, NamedTuple
 
 from femstruct.errors import shown_as
-from femstruct.units import DIMENSIONS, Dimension, QuantityError, quantity_of
+from femstruct.units import DIMENSIONS, Dimension, QuantityError, power_stiffness, quantity_of
 
 SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
 FARTHEST = 1e6  # metres
@@ -91,6 +91,11 @@ class Quantity:
         return f"{limit:g}" if unit == "1" or not limit else f"{limit:g} {unit}"
 
     @property
+    def unit(self) -> str:
+        """Its unit in tables, "" of a ratio."""
+        return DIMENSIONS[self.dimensions[0]].unit.replace("*", " ").removesuffix("1")
+
+    @property
     def told(self) -> str:
         """What it is, with its unit: a length [m]."""
         return " or ".join(f"{DIMENSIONS[name].words} [{DIMENSIONS[name].unit}]" for name in self.dimensions)
@@ -106,6 +111,37 @@ class Quantity:
             "anyOf": [{"type": "number"}, {"type": "string", "pattern": _PATTERN}],
             "description": f"{self.told}; a plain number is in SI units",
             "examples": [example],
+        }
+
+
+@dataclass(frozen=True)
+class PowerStiffness:
+    """Annotation of the positive stiffness k [N/m^n] of a force k d^n. exponent : the field that holds n."""
+
+    exponent: str = "exponent"
+
+    def read(self, value: object, exponent: float) -> float:
+        """The value in SI units. Raises QuantityError for what is none."""
+        number = power_stiffness(value, exponent)
+        if not number > 0.0:
+            raise refuse(shown_as(value), "a positive stiffness", f"write it like 1e6 {self.unit_of(exponent)}")
+        return number
+
+    def unit_of(self, exponent: float) -> str:
+        """Its unit in tables."""
+        return f"N/m^{exponent:g}"
+
+    def _read(self, value: object, info: Any) -> float:
+        return self.read(value, info.data[self.exponent]) if self.exponent in info.data else 1.0  # refused already
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> dict[str, Any]:
+        return {"type": "function-plain", "function": {"type": "with-info", "function": self._read}}
+
+    def __get_pydantic_json_schema__(self, schema: Mapping[str, Any], handler: object) -> dict[str, Any]:
+        return {
+            "anyOf": [{"type": "number"}, {"type": "string", "pattern": _PATTERN}],
+            "description": f"a stiffness [N/m^{self.exponent}]; a plain number is in SI units",
+            "examples": ["1e6 N/m^1.5"],
         }
 
 

@@ -46,7 +46,6 @@ _GROUPS: Final = (  # of packages that add nouns
     "femstruct.evaluations",
     "femstruct.laws",
     "femstruct.language.evaluations",
-    "femstruct.language.laws",
     "femstruct.language.parts",
     "femstruct.language.rooms",
 )

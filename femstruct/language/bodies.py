@@ -22,8 +22,7 @@ from femstruct.impact.scene import (
     TAPPING_MACHINE,
     scattered,
 )
-from femstruct.language import laws
-from femstruct.language.laws import Ends, LawSpec, Site
+from femstruct.language.laws import LAW_KINDS, Ends, LawSpec, Site
 from femstruct.language.not_computed import FALLING_PARTS, instead_of
 from femstruct.laws.law import Law
 from femstruct.quantities import (
@@ -50,18 +49,10 @@ from femstruct.yaml.spec import (
     any_of,
     brought,
     by_band,
-    kinds_of,
     read_by,
     word_of,
 )
 from femstruct.yaml.spec import Ends as EndsOfContact
-
-# ----------------------------------------------------------------------------------------------------------------------
-# The kinds of contact laws a study file can have: every module here that has a `LawSpec` with a `type` is one, and
-# what other packages add as entry points of the group `femstruct.language.laws`.
-# ----------------------------------------------------------------------------------------------------------------------
-
-LAW_KINDS: tuple[type[LawSpec], ...] = kinds_of(laws, LawSpec)
 
 if TYPE_CHECKING:
     AnyLaw = LawSpec

@@ -241,7 +241,7 @@ class LoadSpec(Spec):
 
     one_of = (("at", "body", "on", "along"), ("half_sine", "file", "walking", "footstep"))
     instead = instead_of(BASE_IN_TIME, "base", "acceleration", "displacement", "velocity")
-    needs = (("along", ("walking",)), ("walking", ("along",)), ("footstep", ("at",)))
+    only_with = (("along", ("walking",)), ("walking", ("along",)), ("footstep", ("at",)))
 
     at: Text | None = None
     along: Annotated[tuple[PointName, ...] | None, read_by(several(lambda one: one), Text | list[Text])] = None
@@ -366,7 +366,7 @@ class VibrationSpec(Spec):
     makes = Vibration
     instead = instead_of(BASE_IN_TIME, "file", "half_sine", "history", "time")
     one_of = (("at", "on", "base"), ("harmonic", "psd"))
-    needs = (("duration", ("psd",)),)
+    only_with = (("duration", ("psd",)),)
 
     at: Text | None = None
     on: SurfaceName | None = None

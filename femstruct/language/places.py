@@ -6,10 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from femstruct.declared import exactly_one
 from femstruct.errors import shown_as
 from femstruct.model import regions
 from femstruct.quantities import Dashpot, Length, Position2, Position3, Quantity, Stiffness, refuse
-from femstruct.yaml.spec import Spec, Text, exactly_one, read_by
+from femstruct.yaml.spec import Spec, Text, read_by
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Stiffnesses and dashpots by direction, as they are written.

@@ -25,6 +25,7 @@ from acoustics.meshed.meshed_coupling import HELD
 from acoustics.meshed.walls import MOST_ABSORBED, AnyWall, Wall, YieldingWall, absorbing
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_coupling import Leak
+from femstruct.declared import exactly_one
 from femstruct.errors import shown_as
 from femstruct.files.cavity_meshes import read_mesh
 from femstruct.files.text_tables import beside
@@ -54,7 +55,6 @@ from femstruct.yaml.spec import (
     SurfaceName,
     Text,
     by_band,
-    exactly_one,
     read_by,
     several,
     word_or,
@@ -310,7 +310,7 @@ class ClosedSpec(RoomSpec):
     """A room under a surface, or among several."""
 
     one_of = (("size", "mesh"),)
-    needs = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
+    only_with = (("mesh", ("ceiling",)), ("ceiling", ("mesh",)))
     refused = ("directivity",)
 
     size: Size | None = None

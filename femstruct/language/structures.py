@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 from pydantic import BeforeValidator, Field
 
 from femstruct.conventions import DIRECTIONS
+from femstruct.declared import exactly_one
 from femstruct.errors import FemstructError, InputError, shown_as
 from femstruct.language.materials import Area, Losses
 from femstruct.language.parts import MESHED, MaterialName, PartSpec
@@ -53,7 +54,7 @@ from femstruct.quantities import (
 from femstruct.study.structures import BeamEnd, BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel
 from femstruct.units import QuantityError, quantity
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Count, PointName, Refers, Spec, Text, exactly_one, only, read_by, so_many, words_of
+from femstruct.yaml.spec import Count, PointName, Refers, Spec, Text, only, read_by, so_many, words_of
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Points as they are written.
@@ -213,7 +214,7 @@ class SupportSpec(Spec):
 
     one_of = (("on", "at"),)
     at_most_one_of = (("edge", "line", "set", "box"), ("stiffness", "walls"))
-    needs = (("loss_factor", ("stiffness",)), ("walls", ("wall",)), ("wall", ("walls",)))
+    only_with = (("loss_factor", ("stiffness",)), ("walls", ("wall",)), ("wall", ("walls",)))
 
     makes = Support
     only_written = ("wall", "set", "box")
@@ -448,7 +449,7 @@ class ConstraintSpec(Spec):
     other."""
 
     one_of = (("rigid", "average", "equation", "seam"),)
-    needs = (
+    only_with = (
         ("rigid", ("to",)),
         ("average", ("of",)),
         ("to", ("rigid",)),
@@ -502,7 +503,7 @@ class ConstraintSpec(Spec):
             sides = [(side.on or "", Region(**side.given())) for side in (self.seam, self.onto)]
             return Seam(name, *sides[0], *sides[1], directions)
         among = self.to if self.rigid is not None else self.of
-        assert among is not None  # `needs` has seen to it
+        assert among is not None  # `only_with` has seen to it
         region = None if among.on is None else Region(**among.given())
         if self.rigid is not None:
             return RigidLink(name, self.rigid, among.points or (), among.on, region, directions)

@@ -72,7 +72,7 @@ class VarySpec(Spec):
     """The values that a number of the files takes: in steps from one to another, a list, or a distribution."""
 
     one_of = (KINDS,)
-    needs = (("from", ("to",)), ("to", ("from",)), ("steps", ("from",)), ("scale", ("from",)))
+    only_with = (("from", ("to",)), ("to", ("from",)), ("steps", ("from",)), ("scale", ("from",)))
     start: AnyQuantity | None = Field(default=None, alias="from")
     to: AnyQuantity | None = None
     steps: Count | None = None
@@ -109,7 +109,7 @@ class SamplesSpec(Spec):
     """How many samples are made of what varies, and how; without a count each value with each. Only: numbers that a row
     holds; where the batch engine has all of them, thousands of samples take seconds."""
 
-    needs = (("method", ("count",)), ("seed", ("count",)))
+    only_with = (("method", ("count",)), ("seed", ("count",)))
     method: Literal["latin hypercube", "sobol", "sobol indices"] | None = None
     count: Count | None = None
     seed: Count | None = None

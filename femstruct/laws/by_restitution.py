@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from femstruct.declared import checked
-from femstruct.laws.hunt_crossley import PowerLaw, refuse_exponent
-from femstruct.laws.law import refuse_unless_positive
-from femstruct.laws.restitution import refuse_restitution, restitution_of
+from femstruct.declared import UNTOLD, Key, checked
+from femstruct.laws.hunt_crossley import Exponent, PowerLaw
+from femstruct.laws.law import MeetingSpeed, Restitution, meeting_speed
+from femstruct.laws.restitution import restitution_of
+from femstruct.quantities import PowerStiffness
 
 
 @dataclass(frozen=True)
-@checked("law")
+@checked("{word} law")
 class ByRestitution(PowerLaw):
     """f = k d^n (1 + chi d'), chi as an author gives it by restitution e and meeting speed v [m/s].
 
@@ -22,19 +23,15 @@ class ByRestitution(PowerLaw):
     """
 
     varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape"}
-    units: ClassVar = {"stiffness": "N/m^exponent", "speed": "m/s"}
 
-    stiffness: float
-    restitution: float
-    speed: float
-    exponent: float = 1.5
+    stiffness: Annotated[float, PowerStiffness()]
+    restitution: Restitution
+    speed: Annotated[MeetingSpeed, Key("at_speed")] = UNTOLD
+    exponent: Exponent = 1.5
     tensile: bool = False
 
     def __post_init__(self) -> None:
-        refuse_unless_positive(f"{self.word} law stiffness", self.stiffness)
-        refuse_exponent(self.word, self.exponent)
-        refuse_restitution(self.restitution)
-        refuse_unless_positive(f"{self.word} law speed", self.speed)
+        meeting_speed(self.word, self.speed)
 
     @property
     def returns(self) -> float:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Annotated, ClassVar, Final
 
 import scipy
 
 from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import System
-from femstruct.declared import checked
+from femstruct.declared import Key, checked
 from femstruct.errors import InputError
-from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative
+from femstruct.laws.law import Code, Dissipation, FactorLaw, StoredLaw
+from femstruct.quantities import Quantity, Stiffness
 from femstruct.tags import stored_as
 
 
@@ -37,8 +38,8 @@ CODE: Final = Code(_spring, beside=_beside)
 
 @stored_as("cubic contact law/1")
 @dataclass(frozen=True)
-@checked("law")
-class Cubic(Law):
+@checked("{word} law")
+class Cubic(FactorLaw):
     """f = (k d + k3 d^3) (1 + chi d'): a spring that stiffens, such as a rubber pad or a strip of felt.
 
     stiffness k [N/m]; cubic k3 [N/m^3]; dissipation chi [s/m]; tensile : let the dashpot pull.
@@ -52,17 +53,14 @@ class Cubic(Law):
     word: ClassVar = "cubic"
     code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "cubic": "shape", "dissipation": "closing"}
-    units: ClassVar = {"stiffness": "N/m", "cubic": "N/m^3", "dissipation": "s/m"}
 
-    stiffness: float
-    cubic: float
-    dissipation: float = 0.0
+    stiffness: Annotated[Stiffness, Key(default=0.0)]
+    cubic: Annotated[float, Quantity(("stiffness/area",), least=0.0)]
+    dissipation: Dissipation = 0.0
     tensile: bool = False
 
-    def __post_init__(self) -> None:
-        refuse_negative("cubic law stiffness", self.stiffness)
-        refuse_negative("cubic law cubic", self.cubic)
-        refuse_negative("cubic law dissipation", self.dissipation)
+    def __post_init__(self, restitution: float | None, at_speed: float | None) -> None:
+        super().__post_init__(restitution, at_speed)
         if not (self.stiffness or self.cubic):
             raise InputError("cubic law", got="no stiffness", expected="a stiffness, a cubic stiffness, or both")
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import sqrt
-from typing import ClassVar, Final
+from dataclasses import KW_ONLY, InitVar, dataclass
+from math import inf, sqrt
+from typing import Annotated, ClassVar, Final
 
 import numpy as np
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, freeze
 from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import Records, System
-from femstruct.declared import checked
+from femstruct.declared import UNTOLD, checked
 from femstruct.errors import InputError
-from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative, refuse_unless_positive
+from femstruct.laws.law import Code, Law, StoredLaw, refuse_unless_positive
+from femstruct.quantities import AnyRatio, Length, Modulus, Quantity
 from femstruct.tags import stored_as
 
 
@@ -48,28 +49,45 @@ CODE: Final = Code(_spring, _force, _beside)
 
 @stored_as("contact law of Hertz/1")
 @dataclass(frozen=True)
-@checked("law")
+@checked("{word} law")
 class Hertz(Law):
-    """f = k delta^1.5 + c delta^0.5 delta': two rounded bodies.
+    """f = k d^1.5 + c d^0.5 d', two rounded bodies: their stiffness, or E and nu of both and the radius (one, or two)
+    where they touch, that of the bodies themselves when a study file leaves it out.
 
     stiffness k [N/m^1.5]; damping c [N s/m^1.5]; tensile : let the dashpot pull while it opens (False clamps f >= 0).
+    radius [m], E [Pa], nu : of both, as in `of_spheres`; one radius is that of a sphere on a flat face.
 
-    >>> round(Hertz(1e6).indentation(1000.0), 6)
-    0.01
+    >>> round(Hertz(1e6).indentation(1000.0), 6), Hertz("1 MN/m^1.5") == Hertz(1e6)
+    (0.01, True)
     """
 
     word: ClassVar = "hertz"
     code: ClassVar = CODE
     varies: ClassVar = {"stiffness": "stiffness", "damping": "closing"}
-    units: ClassVar = {"stiffness": "N/m^1.5", "damping": "N s/m^1.5"}
+    one_of: ClassVar = (("stiffness", "E"),)
+    only_with: ClassVar = (("radius", ("E", "nu")), ("E", ("nu",)), ("nu", ("E",)))
 
-    stiffness: float
-    damping: float = 0.0
+    stiffness: Annotated[float, Quantity(("hertz stiffness",), above=0.0)] = UNTOLD
+    damping: Annotated[float, Quantity(("hertz damping",), least=0.0)] = 0.0
     tensile: bool = False
+    _: KW_ONLY
+    radius: InitVar[Length | tuple[Length, ...] | None] = None
+    E: InitVar[tuple[Modulus, Modulus] | None] = None
+    nu: InitVar[tuple[AnyRatio, AnyRatio] | None] = None
 
-    def __post_init__(self) -> None:
-        refuse_unless_positive("hertz law stiffness", self.stiffness)
-        refuse_negative("hertz law damping", self.damping)
+    def __post_init__(
+        self,
+        radius: float | tuple[float, ...] | None,
+        E: tuple[float, float] | None,
+        nu: tuple[float, float] | None,
+    ) -> None:
+        if E is None or nu is None:
+            return
+        if radius is None:
+            do = "add 'radius: 5 mm', or the radius of the body"
+            raise InputError("hertz law", got="a hertz law without a radius", expected="one", do=do)
+        first, *second = radius if isinstance(radius, tuple) else (radius,)
+        freeze(self, stiffness=self.of_spheres((first, second[0] if second else inf), E, nu).stiffness)
 
     @classmethod
     def of_spheres(cls, radius: tuple[float, float], E: tuple[float, float], nu: tuple[float, float]) -> Hertz:

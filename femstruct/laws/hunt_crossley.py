@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Annotated, ClassVar, Final
 
 from femstruct.arrays import Floats
 from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import Records, System
 from femstruct.declared import checked
-from femstruct.errors import InputError
-from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative, refuse_unless_positive
+from femstruct.laws.law import Code, Dissipation, FactorLaw, Law, StoredLaw
 from femstruct.laws.restitution import dissipation_for
+from femstruct.quantities import PowerStiffness, Quantity
 from femstruct.tags import stored_as
 
 
@@ -26,6 +26,7 @@ def _spring(system: System, a: int, delta: float) -> tuple[float, float, float]:
 
 
 CODE: Final = Code(_spring)  # its numbers: stiffness, chi, exponent
+Exponent = Annotated[float, Quantity(("ratio",), least=1.0, most=9.0, too_small="", words="an exponent")]
 
 
 class PowerLaw(Law):
@@ -57,8 +58,8 @@ class PowerLaw(Law):
 
 @stored_as("contact law of Hunt and Crossley/1")
 @dataclass(frozen=True)
-@checked("law")
-class HuntCrossley(PowerLaw):
+@checked("{word} law")
+class HuntCrossley(PowerLaw, FactorLaw):
     """f = k d^n (1 + chi d'): two bodies of smooth or flat shape that lose energy.
 
     stiffness k [N/m^n]; exponent n >= 1, 1.5 for Hertz; dissipation chi [s/m]; tensile : let the dashpot pull while
@@ -76,17 +77,11 @@ class HuntCrossley(PowerLaw):
 
     word: ClassVar = "hunt-crossley"
     varies: ClassVar = {"stiffness": "stiffness", "exponent": "shape", "dissipation": "closing"}
-    units: ClassVar = {"stiffness": "N/m^exponent", "dissipation": "s/m"}
 
-    stiffness: float
-    exponent: float = 1.5
-    dissipation: float = 0.0
+    stiffness: Annotated[float, PowerStiffness()]
+    exponent: Exponent = 1.5
+    dissipation: Dissipation = 0.0
     tensile: bool = False
-
-    def __post_init__(self) -> None:
-        refuse_unless_positive("hunt-crossley law stiffness", self.stiffness)
-        refuse_exponent("hunt-crossley", self.exponent)
-        refuse_negative("hunt-crossley law dissipation", self.dissipation)
 
     @classmethod
     def returning(
@@ -95,9 +90,3 @@ class HuntCrossley(PowerLaw):
         """The law that returns exactly this restitution when two bodies meet at this speed [m/s]; faster ones lose
         more."""
         return cls(stiffness, exponent, dissipation_for(restitution, speed), tensile)
-
-
-def refuse_exponent(kind: str, exponent: float) -> None:
-    """Raise InputError for an exponent beyond 1 to 9."""
-    if not 1.0 <= exponent <= 9.0:
-        raise InputError(f"{kind} law exponent", got=f"{exponent:g}", expected="an exponent from 1 to 9")

@@ -1,25 +1,42 @@
 """What every contact law has: code for the engine, its numbers as the engine keeps them, and what it knows of itself.
 
-A law is a module of this package with a frozen class and nothing to enter anywhere else: `registry` finds it. d is
-the indentation [m], d' its rate [m/s], positive while the ends approach.
+A law is a module of this package with a frozen class and nothing to enter anywhere else: `registry` finds it, and its
+fields with their quantities are its keys in study files. d is the indentation [m], d' its rate [m/s], positive while
+the ends approach.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, NamedTuple
+from dataclasses import InitVar, dataclass
+from typing import Annotated, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, freeze
 from femstruct.compiled.records import NUMBERS, Records
+from femstruct.declared import units_of
 from femstruct.errors import Finding, InputError
+from femstruct.laws.restitution import dissipation_for
 from femstruct.model.materials import Given, given
+from femstruct.quantities import Quantity
 
 Kernel = Callable[..., Any]
 RESTITUTION_MISSED = 0.05  # of a restitution: Lankarani and Nikravesh's law misses it from 0.79 down
 MISSED = "restitution-missed"
+
+_PERCENT: Final = "30 % is 0.3: did you mean {number:g} %?"
+HARDLY: Final = "for one that hardly returns write 'restitution: 5 %'"
+_STAYS: Final = (
+    "for a blow that gives nothing back write '{type: linear, stiffness: .., tensile: true, restitution: 0}'; "
+    f"{HARDLY}"
+)
+Restitution = Annotated[float, Quantity(("ratio",), above=0.0, most=1.0, too_large=_PERCENT, at_limit=_STAYS)]
+AnyRestitution = Annotated[float, Quantity(("ratio",), least=0.0, most=1.0, too_large=_PERCENT)]
+MeetingSpeed = Annotated[float, Quantity(("speed",), above=0.0)]
+Dissipation = Annotated[float, Quantity(("dissipation",), least=0.0)]
+PositiveStiffness = Annotated[float, Quantity(("stiffness",), above=0.0)]
 
 
 class Code(NamedTuple):
@@ -56,6 +73,10 @@ class Law(ABC):
     sides : of its ends' approach, on which it acts. straight : whether it is a spring and a dashpot that are constant.
     varies : which of its fields may differ between the runs of a batch, and where the engine keeps each.
     doubts : codes of the findings it may have, and whether they are severe.
+
+    Its fields are annotated with their quantities. A field that is an `InitVar` is a key of study files and a name in
+    Python that is not kept: others follow from it. Study files tell what is called mass (of the striking body, or the
+    reduced one of two), at_speed (with which it starts) and radius (of both ends) where they do not state it.
     """
 
     word: ClassVar[str] = ""
@@ -64,13 +85,11 @@ class Law(ABC):
     straight: ClassVar[bool] = False
     varies: ClassVar[Mapping[str, str]] = {}
     doubts: ClassVar[Mapping[str, bool]] = {}
-    units: ClassVar[Mapping[str, str]] = {}  # of its fields, as they are shown; "exponent" stands for its own
     tensile: bool
 
     def described(self) -> tuple[Given, ...]:
         """What is given of it, for tables of the inputs and for comparing cases."""
-        exponent = f"{getattr(self, 'exponent', 1.0):g}"
-        return given(self, {name: unit.replace("exponent", exponent) for name, unit in self.units.items()})
+        return given(self, units_of(self))
 
     @property
     @abstractmethod
@@ -110,16 +129,34 @@ class Law(ABC):
         return None
 
 
+@dataclass(frozen=True, kw_only=True)
+class FactorLaw(Law):
+    """f = s(d) (1 + chi d'): a law with a field `dissipation` chi [s/m], or the restitution at a speed [m/s], from
+    which chi follows exactly."""
+
+    at_most_one_of: ClassVar = (("dissipation", "restitution"),)
+    only_with: ClassVar = (("at_speed", ("restitution",)),)
+
+    restitution: InitVar[Restitution | None] = None
+    at_speed: InitVar[MeetingSpeed | None] = None
+
+    def __post_init__(self, restitution: float | None, at_speed: float | None) -> None:
+        if restitution is not None:
+            freeze(self, dissipation=dissipation_for(restitution, meeting_speed(self.word, at_speed)))
+
+
+def meeting_speed(word: str, speed: float | None) -> float:
+    """The speed [m/s] that a restitution of a law holds at. Raises InputError where nothing tells it."""
+    if speed is None:
+        got, do = "a restitution without a meeting speed", "add 'at_speed: 2 m/s'"
+        raise InputError(f"{word} law restitution", got=got, expected="at_speed", do=do)
+    return speed
+
+
 def refuse_unless_positive(where: str, value: float) -> None:
     """Raise InputError unless a value is positive."""
     if not value > 0:
         raise InputError(where, got=f"{value:g}", expected=f"a positive {where.split()[-1]}")
-
-
-def refuse_negative(where: str, value: float) -> None:
-    """Raise InputError for a negative value."""
-    if not value >= 0:
-        raise InputError(where, got=f"{value:g}", expected=f"a {where.split()[-1]} >= 0")
 
 
 def misses(asked: float, returned: float) -> bool:

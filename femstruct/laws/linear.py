@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, InitVar, dataclass
 from math import inf, log, pi, sqrt
-from typing import ClassVar, Final, Self
+from typing import Annotated, ClassVar, Final
 
 import numpy as np
 
-from femstruct.arrays import Floats
+from femstruct.arrays import Floats, freeze
 from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import Records, System
-from femstruct.declared import checked
+from femstruct.declared import UNTOLD, Key, checked
 from femstruct.errors import InputError
-from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative, refuse_unless_positive
+from femstruct.laws.law import HARDLY, AnyRestitution, Code, Law, PositiveStiffness, StoredLaw, refuse_unless_positive
 from femstruct.laws.restitution import damping_ratio_for, swing
+from femstruct.quantities import Dashpot, Duration, MassKg
 from femstruct.tags import stored_as
 
 SETTLED: Final = 10.0  # time constants after which e^-10 is left
@@ -42,33 +43,15 @@ def _beside(system: System, a: int, rest: float, moved: float) -> float:
 CODE: Final = Code(_spring, _force, _beside)
 
 
-@stored_as("linear contact law/1")
-@dataclass(frozen=True)
-@checked("law")
-class Linear(Law):
-    """f = k delta + c delta': a unilateral spring and dashpot side by side (Kelvin and Voigt).
+class SpringDashpot(Law):
+    """f = k d + c d': the numbers of a spring and a dashpot side by side, and what follows from them."""
 
-    stiffness k [N/m]; damping c [N s/m]; tensile : let the dashpot pull while it opens (False clamps f >= 0). With
-    damping the force jumps to c times the meeting speed at the first touch. Without tension the contact ends when the
-    force is zero, the spring still indented by c / k times the parting speed: what it holds is lost in the dashpot.
-
-    >>> Linear(2e6, damping=100.0).indentation(1000.0)
-    0.0005
-    """
-
-    word: ClassVar = "linear"
     code: ClassVar = CODE
     straight: ClassVar = True
     varies: ClassVar = {"stiffness": "stiffness", "damping": "closing"}
-    units: ClassVar = {"stiffness": "N/m", "damping": "N s/m"}
 
     stiffness: float
-    damping: float = 0.0
-    tensile: bool = False
-
-    def __post_init__(self) -> None:
-        refuse_unless_positive(f"{self.word} law stiffness", self.stiffness)
-        refuse_negative(f"{self.word} law damping", self.damping)
+    damping: float
 
     def settling_time(self, mass: Floats, columns: Mapping[str, Floats]) -> Floats | None:
         """Of a dashpot that pulls, at or beyond critical damping z: motion falls as exp(-w (z - sqrt(z^2 - 1)) t)."""
@@ -79,6 +62,72 @@ class Linear(Law):
         slowest = w * (z - np.sqrt(np.maximum(z * z - 1.0, 0.0)))
         return np.where(z < 1.0 - _ROUNDING, inf, SETTLED / np.where(z > 0.0, slowest, 1.0))
 
+    @property
+    def stored(self) -> StoredLaw:
+        return StoredLaw(self.stiffness, self.damping)
+
+    def indentation(self, force: float) -> float:
+        """Indentation under a force at rest [m]."""
+        return force / self.stiffness
+
+    @staticmethod
+    def rests(preload: Floats, laws: Records) -> Floats:
+        rest: Floats = preload / laws["stiffness"]
+        return rest
+
+    @staticmethod
+    def quickest(spring: Floats, dashpot: Floats, speed: Floats) -> Floats:
+        return np.maximum(np.sqrt(spring), dashpot)
+
+
+@stored_as("linear contact law/1")
+@dataclass(frozen=True)
+@checked("{word} law")
+class Linear(SpringDashpot):
+    """f = k d + c d', spring and dashpot side by side (Kelvin and Voigt): k and c, or the restitution with k or the
+    duration of the contact. These count for the body alone against a wall, two bodies by their reduced mass. With
+    tensile: true the restitution may be 0: nothing is given back, and the ends part only where something else pulls
+    them apart, as a plate that swings back faster than a body falls.
+
+    stiffness k [N/m]; damping c [N s/m]; tensile : let the dashpot pull while it opens (False clamps f >= 0). With
+    damping the force jumps to c times the meeting speed at the first touch. Without tension the contact ends when the
+    force is zero, the spring still indented by c / k times the parting speed: what it holds is lost in the dashpot.
+
+    restitution, duration [s] with mass [kg] : in place of damping and stiffness, as in `returning`.
+
+    >>> Linear(2e6, damping=100.0).indentation(1000.0)
+    0.0005
+    """
+
+    word: ClassVar = "linear"
+    one_of: ClassVar = (("stiffness", "duration"),)
+    at_most_one_of: ClassVar = (("damping", "restitution"),)
+    only_with: ClassVar = (("duration", ("restitution",)), ("mass", ("restitution",)))
+
+    stiffness: PositiveStiffness = UNTOLD
+    damping: Dashpot = 0.0
+    tensile: bool = False
+    _: KW_ONLY
+    restitution: InitVar[AnyRestitution | None] = None
+    duration: InitVar[Duration | None] = None
+    mass: InitVar[Annotated[MassKg | None, Key(None)]] = None
+
+    def __post_init__(self, restitution: float | None, duration: float | None, mass: float | None) -> None:
+        if restitution is None:
+            return
+        where = f"{self.word} law restitution"
+        if mass is None:
+            got = "a restitution between two ends without a body"
+            raise InputError(where, got=got, expected="stiffness and damping, or a body with its mass")
+        if not (restitution or self.tensile):
+            do = f"for a blow that gives nothing back write 'tensile: true' beside it; {HARDLY}"
+            raise InputError(where, got="0 of a contact that does not pull", expected="a positive value", do=do)
+        if not restitution and duration is not None:
+            expected = "a stiffness: ends that stay together do not part"
+            raise InputError(where, got="0 with a duration", expected=expected, do="write 'stiffness'")
+        made = self.returning(restitution, mass, duration, self.stiffness, self.tensile)
+        freeze(self, stiffness=made.stiffness, damping=made.damping)
+
     @classmethod
     def returning(
         cls,
@@ -87,7 +136,7 @@ class Linear(Law):
         duration: float | None = None,
         stiffness: float | None = None,
         tensile: bool = False,
-    ) -> Self:
+    ) -> Linear:
         """The law with which a mass returns from a rigid wall with a restitution, at every speed.
 
         mass [kg] : of the body; two bodies that meet count with m1 m2 / (m1 + m2). duration [s] : of the contact, from
@@ -122,20 +171,3 @@ class Linear(Law):
         assert stiffness is not None
         refuse_unless_positive("linear law stiffness", stiffness)
         return cls(stiffness, 2.0 * ratio * sqrt(stiffness * mass), tensile)
-
-    @property
-    def stored(self) -> StoredLaw:
-        return StoredLaw(self.stiffness, self.damping)
-
-    def indentation(self, force: float) -> float:
-        """Indentation under a force at rest [m]."""
-        return force / self.stiffness
-
-    @staticmethod
-    def rests(preload: Floats, laws: Records) -> Floats:
-        rest: Floats = preload / laws["stiffness"]
-        return rest
-
-    @staticmethod
-    def quickest(spring: Floats, dashpot: Floats, speed: Floats) -> Floats:
-        return np.maximum(np.sqrt(spring), dashpot)

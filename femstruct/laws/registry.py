@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import is_dataclass
 from importlib import import_module
 from inspect import isabstract
 from pkgutil import iter_modules
@@ -13,7 +14,7 @@ from femstruct.compiled.records import System
 from femstruct.laws import __name__ as package
 from femstruct.laws import __path__ as places
 from femstruct.laws.law import Code, Kernel, Law
-from femstruct.plugins import added_kinds
+from femstruct.plugins import added_kinds, with_added
 
 
 def _laws() -> Iterator[type[Law]]:
@@ -21,10 +22,13 @@ def _laws() -> Iterator[type[Law]]:
         if name not in ("registry", "dispatch"):
             module = import_module(f"{package}.{name}")
             mine = [one for one in vars(module).values() if isinstance(one, type) and issubclass(one, Law)]
-            yield from (one for one in mine if one.__module__ == module.__name__ and not isabstract(one))
+            here = [one for one in mine if one.__module__ == module.__name__ and is_dataclass(one)]
+            yield from (one for one in here if not isabstract(one))
 
 
-LAWS: Final[tuple[type[Law], ...]] = (*_laws(), *(one.kind for one in added_kinds("femstruct.laws", Law)))
+LAWS: Final[tuple[type[Law], ...]] = with_added(
+    tuple(_laws()), added_kinds("femstruct.laws", Law, "femstruct.language.laws"), lambda law: (law.word,)
+)
 CODES: Final[tuple[Code, ...]] = tuple(dict.fromkeys(law.code for law in LAWS))
 DOUBTS: Final = {code: severe for law in LAWS for code, severe in law.doubts.items()}
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from femstruct.laws.linear import Linear
+from femstruct.declared import checked
+from femstruct.laws.law import PositiveStiffness
+from femstruct.laws.linear import SpringDashpot
+from femstruct.quantities import Dashpot
 from femstruct.tags import stored_as
 
 
 @stored_as("contact law of a stop/1")
 @dataclass(frozen=True)
-class Stop(Linear):
+@checked("{word} law")
+class Stop(SpringDashpot):
     """A bumper on both sides: a linear contact where the ends have moved further than the gap, towards or apart.
 
     stiffness k [N/m]; damping c [N s/m]; tensile : let the dashpot pull while it opens.
@@ -22,3 +26,7 @@ class Stop(Linear):
 
     word: ClassVar = "stop"
     sides: ClassVar = (1.0, -1.0)
+
+    stiffness: PositiveStiffness
+    damping: Dashpot = 0.0
+    tensile: bool = False

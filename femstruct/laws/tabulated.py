@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Annotated, ClassVar, Final
 
 import numpy as np
 import scipy
@@ -12,9 +12,10 @@ import scipy
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import NUMBERS, System
-from femstruct.declared import checked
+from femstruct.declared import Key, checked
 from femstruct.errors import Finding, InputError
-from femstruct.laws.law import Code, Law, StoredLaw, refuse_negative
+from femstruct.laws.law import Code, Dissipation, FactorLaw, StoredLaw
+from femstruct.quantities import Quantity
 from femstruct.tags import stored_as
 
 
@@ -45,8 +46,8 @@ BEYOND: Final = "beyond-table"
 
 @stored_as("tabulated contact law/1")
 @dataclass(frozen=True, eq=False)
-@checked("law")
-class Tabulated(Law):
+@checked("{word} law")
+class Tabulated(FactorLaw):
     """f = s(d) (1 + chi d') with s through measured points: indentation [n] [m], force [n] [N].
 
     Between the points s is a straight line, as it is drawn; smooth : a monotone cubic (PCHIP) in its place, whose slope
@@ -69,18 +70,17 @@ class Tabulated(Law):
     code: ClassVar = CODE
     varies: ClassVar = {"dissipation": "closing"}
     doubts: ClassVar = {BEYOND: True}
-    units: ClassVar = {"indentations": "m", "forces": "N", "dissipation": "s/m"}
 
-    indentations: Floats
-    forces: Floats
-    dissipation: float = 0.0
+    indentations: Annotated[Floats, Quantity(("length",)), Key(None)]
+    forces: Annotated[Floats, Quantity(("force",)), Key(None)]
+    dissipation: Dissipation = 0.0
     tensile: bool = False
     smooth: bool = False
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, restitution: float | None, at_speed: float | None) -> None:
+        super().__post_init__(restitution, at_speed)
         depth = frozen("table law indentations", self.indentations, (None,))
         freeze(self, indentations=depth, forces=frozen("table law forces", self.forces, depth.shape))
-        refuse_negative("table law dissipation", self.dissipation)
         if len(depth) < 2:
             raise InputError("table law", got=f"{len(depth)} points", expected="two or more, the first at 0")
         for word, column, unit in (("indentation", depth, "m"), ("force", self.forces, "N")):

@@ -5,6 +5,7 @@ A file of a noun finds here what it is written in.
 
 from __future__ import annotations
 
+from femstruct.declared import exactly_one
 from femstruct.quantities import (
     CELL,
     FREQUENCY,
@@ -65,7 +66,6 @@ from femstruct.yaml.spec import (
     by_band,
     check_references,
     each_band,
-    exactly_one,
     found,
     made_of_file,
     only,

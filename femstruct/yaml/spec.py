@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field
 from functools import cache, reduce
 from operator import or_
 from pathlib import Path
@@ -16,15 +16,17 @@ from pydantic import (
     ConfigDict,
     Field,
     ValidationInfo,
+    create_model,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from femstruct.declared import Declared, declared, refuse_together
 from femstruct.errors import FemstructError, InputError, InputErrors, shown_as
 from femstruct.files.band_tables import read_bands
 from femstruct.files.text_tables import beside, wrong_in
 from femstruct.model.materials import MOST_LOSSES
-from femstruct.plugins import MEND, added_kinds
+from femstruct.plugins import added_kinds, with_added
 from femstruct.quantities import CELL, FREQUENCY, Quantity, refuse
 from femstruct.units import QuantityError
 from femstruct.yaml.reader import Here, Steps, near_one
@@ -34,7 +36,8 @@ class Spec(BaseModel):
     """A mapping of the language: unknown keys are refused, and keys that exclude each other.
 
     one_of : groups of keys of which a file gives exactly one. at_most_one_of : groups of which it may give one.
-    needs : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has one.
+    only_with : keys that mean nothing without others. makes : the noun with the same fields, and a name where it has
+    one.
     called : what the noun calls keys for which it has another word. only_written : keys that the noun does not have.
     refused : keys of other kinds that `refuse_keys` refuses. instead : keys of other kinds that are unknown here,
     each with the key that says it and how. short : the key that is meant by a value alone.
@@ -43,7 +46,7 @@ class Spec(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=False, arbitrary_types_allowed=True)
     one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    needs: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
+    only_with: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]] = ()
     makes: ClassVar[Callable[..., Any]] = dict
     called: ClassVar[tuple[tuple[str, str], ...]] = ()
     only_written: ClassVar[tuple[str, ...]] = ()
@@ -97,19 +100,7 @@ class Spec(BaseModel):
     @classmethod
     def _refuse_together(cls, value: Mapping[str, Any]) -> None:
         cls.refuse_keys(value)
-        for names in cls.one_of:
-            exactly_one(value, names)
-        for names in cls.at_most_one_of:
-            exactly_one(value, names, or_none=True)
-        for key, others in cls.needs:
-            given = value.get(key) is not None
-            missing = [other for other in others if given and value.get(other) is None]
-            if missing:
-                raise refuse(
-                    f"{key} without {missing[0]}",
-                    f"'{missing[0]}' beside '{key}'",
-                    f"add '{missing[0]}: ...', or remove '{key}'",
-                )
+        refuse_together(cls, value)
 
 
 def brought(*names: str) -> ConfigDict:
@@ -234,17 +225,6 @@ def word_or(words: Mapping[str, object], quantity: Quantity) -> Callable[[object
     return lambda value: words[value] if isinstance(value, str) and value in words else quantity.read(value)
 
 
-def exactly_one(spec: Mapping[str, object], names: Sequence[str], or_none: bool = False) -> None:
-    """Refuse a mapping with several of these keys, or with none of them; a key without a value is not given."""
-    given = [name for name in names if spec.get(name) is not None]
-    if len(given) > 1 or not (given or or_none):
-        raise refuse(
-            f"both {' and '.join(given)}" if given else f"none of {', '.join(names)}",
-            f"exactly one of {', '.join(names)}",
-            "remove all but one" if given else "add one",
-        )
-
-
 # ----------------------------------------------------------------------------------------------------------------------
 # Who refers to whom: one table, read off the schemas, for checking names and for removing what a name takes along.
 # ----------------------------------------------------------------------------------------------------------------------
@@ -324,25 +304,44 @@ def kinds_of(module: ModuleType, base: type[BaseModel]) -> tuple[Any, ...]:
     Raises FemstructError for one of another package that has no word, or one that is taken.
     """
     classes = [one for one in vars(module).values() if isinstance(one, type) and one.__module__ == module.__name__]
-    own = [one for one in classes if issubclass(one, base)]
-    taken = {word: one for one in own for word in _words(one)}
-    for kind, source in added_kinds(module.__name__, base):
-        words = _words(kind)
-        if not words or words[0] in taken:
-            raise FemstructError(
-                source,
-                got=(f"type: {', '.join(words)}, taken by {taken[words[0]].__module__}" if words else "no type"),
-                expected='a word of its own, type: Literal["word"]',
-                do=MEND,
-            )
-        taken |= dict.fromkeys(words, kind)
-    return tuple(dict.fromkeys(taken.values()))
+    own = [one for one in classes if issubclass(one, base) and _words(one)]
+    return with_added(own, added_kinds(module.__name__, base), _words)
 
 
 def _words(kind: type[BaseModel]) -> tuple[str, ...]:
     """What tells a kind: the word of its `type`, or keys that no other kind has."""
     field = kind.model_fields.get("type")
     return get_args(field.annotation) if field is not None else getattr(kind, "signs", ())
+
+
+def spec_of(noun: type, word: str, base: type[Spec]) -> Any:
+    """The mapping of the language that a noun declares: a key for each thing that it is given, with its quantity.
+
+    word : its `type`. base : what all kinds of it have, and the keys that are written in another form than they are
+    given to the noun.
+    """
+    first, *_ = (noun.__doc__ or "").split("\n\n")
+    keys = {one.key.name or name: one for name, one in declared(noun).items() if one.key.name is not None}
+    own: dict[str, Any] = {"type": (Literal.__getitem__(word), ...)}
+    own |= {key: _written(noun, key, one) for key, one in keys.items() if key not in base.model_fields}
+    about, name = " ".join(first.split()), f"{noun.__name__}Spec"
+    made: Any = create_model(name, __base__=base, __module__=noun.__module__, __doc__=about, **own)
+    made.makes, made.called = noun, tuple((one.key.name, name) for name, one in declared(noun).items() if one.key.name)
+    for rule in ("one_of", "at_most_one_of", "only_with"):
+        setattr(made, rule, (*getattr(base, rule), *getattr(noun, rule, ())))
+    return made
+
+
+def _written(noun: type, key: str, one: Declared) -> tuple[Any, Any]:
+    """Annotation and default of a key; a default that nothing has told yet is none."""
+    if one.annotation in (float, int):
+        got, expected = f"{key}: {one.annotation.__name__}", "its quantity, as in `thickness: Length`"
+        raise FemstructError(f"{noun.__module__}.{noun.__name__}", got=got, expected=expected)
+    annotation = {bool: Flag, str: Text}.get(one.annotation, one.annotation)
+    default = one.key.default if one.key.default is not MISSING else one.default
+    if default is MISSING:
+        return annotation, ...
+    return (annotation | None if default is None else annotation), default
 
 
 def union_of(kinds: Iterable[Any]) -> Any:

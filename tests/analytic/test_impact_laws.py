@@ -357,14 +357,14 @@ def test_hertz_of_two_spheres() -> None:
 @pytest.mark.parametrize(
     ("make", "match"),
     [
-        (lambda: HuntCrossley(0.0), "hunt-crossley law stiffness: got 0, expected a positive stiffness"),
-        (lambda: HuntCrossley(1.0, 0.5), "expected an exponent from 1 to 9"),
-        (lambda: HuntCrossley(1.0, 1.5, -1.0), "dissipation: got -1, expected a dissipation >= 0"),
+        (lambda: HuntCrossley(0.0), "hunt-crossley law stiffness: got 0.0, expected a positive stiffness"),
+        (lambda: HuntCrossley(1.0, 0.5), "hunt-crossley law exponent: got 0.5, expected an exponent of at least 1"),
+        (lambda: HuntCrossley(1.0, 1.5, -1.0), "dissipation: got -1.0, expected a dissipation factor of at least 0"),
         (lambda: HuntCrossley.returning(0.0, 1.0, 1.0), "restitution: got 0, expected a value above 0 and at most 1"),
         (lambda: HuntCrossley.returning(0.5, 0.0, 1.0), "meeting speed: got 0 m/s"),
         (lambda: LankaraniNikravesh(1.0, 1.2, 1.0), r"restitution: got 1\.2"),
         (lambda: Cubic(0.0, 0.0), "got no stiffness"),
-        (lambda: Cubic(-1.0, 0.0), "cubic law stiffness: got -1, expected a stiffness >= 0"),
+        (lambda: Cubic(-1.0, 0.0), "cubic law stiffness: got -1.0, expected a stiffness of at least 0"),
         (lambda: Tabulated([0.0], [0.0]), "got 1 points, expected two or more"),
         (lambda: Tabulated([0.0, 1.0], [1.0, 2.0]), "a first force of 1 N, expected 0"),
         (lambda: Tabulated([0.0, 2.0, 1.0], [0.0, 1.0, 2.0]), "indentation 1 m after 2 m, expected a rise"),

@@ -30,8 +30,6 @@ strut = femstruct_guest.strut_words:StrutSpec
 crest = femstruct_guest.crest:CrestRequest
 [femstruct.language.evaluations]
 crest = femstruct_guest.crest_words:CrestSpec
-[femstruct.language.laws]
-barrier = femstruct_guest.barrier_words:BarrierSpec
 [femstruct.laws]
 barrier = femstruct_guest.barrier:Barrier
 """
@@ -140,7 +138,7 @@ def test_the_words_of_another_package_are_checked_and_in_the_schema(site: Path) 
 def test_a_study_of_struts_is_stored_and_read_back(site: Path) -> None:
     """All results and the page; without the package the file says which one is missing. What the package asks of a
     history is in the summary, in tables and on the page."""
-    no_law = ENTRIES.split("[femstruct.language.laws]")[0]  # another law would have all kernels compiled anew
+    no_law = ENTRIES.split("[femstruct.laws]")[0]  # another law would have all kernels compiled anew
     (site / "femstruct_guest-0.1.dist-info" / "entry_points.txt").write_text(no_law, encoding="utf-8")
     (site.parent / "hit.study.yaml").write_text(HIT, encoding="utf-8")
     told = python(site, "-m", "femstruct", "run", "hit.study.yaml", "--no-pictures", "-o", "out")
@@ -176,6 +174,43 @@ print([float(one) for one in (force, law.force(1.2e-3), energy, law.energy(1.2e-
     assert slope == pytest.approx(50e3 * (1 + 5 * 0.8**4), rel=1e-14)  # rounding of a few products
 
 
+def test_a_law_is_one_class_for_files_python_and_the_schema(site: Path) -> None:
+    """What its one class declares is checked at its column, made of texts in Python, and in the schema."""
+    study = site.parent / "fall.study.yaml"
+    study.write_text(FALL.replace("depth: 1.5 mm", "depth: 1.5 N"), encoding="utf-8")
+    told = python(site, "-m", "femstruct", "check", "fall.study.yaml")
+    column = FALL.splitlines()[4].index("1.5 mm") + 1
+    expected = f"fall.study.yaml:5:{column}: contacts.hit.law.depth: got '1.5 N', which is a force, expected a length"
+    assert (told.returncode, expected in told.stderr) == (2, True), told.stderr
+    made = "from femstruct_guest.barrier import Barrier as B; print(B('50 kN/m', '1.5 mm', restitution=1, at_speed=2))"
+    told = python(site, "-c", f"{made}; B(1e4, '-1 mm')")
+    assert "Barrier(stiffness=50000.0, depth=0.0015, dissipation=0.0, tensile=False)" in told.stdout, told.stderr
+    assert "barrier law depth: got '-1 mm', expected a positive value: a length" in told.stderr
+    schema = json.loads(python(site, "-m", "femstruct", "schema", "study").stdout)["$defs"]["BarrierSpec"]
+    assert schema["required"] == ["type", "stiffness", "depth"]
+    assert schema["properties"]["depth"]["description"].startswith("a length [m]")
+    assert schema["description"].startswith("f = k d (1 + (d / depth)^4)")
+
+
+def test_a_law_in_the_group_that_was_is_answered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(tmp_path, "some-guest", "[femstruct.language.laws]\nthing = gone:Spec\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    message = (
+        r"some-guest 0.1, entry point thing = gone:Spec: got the group femstruct.language.laws, expected one class, in "
+        r"the group femstruct.laws; annotate its fields with their quantities, and leave 'thing' out of femstruct"
+    )
+    with pytest.raises(FemstructError, match=message):
+        added_kinds("femstruct.laws", Law, "femstruct.language.laws")
+
+
+def test_a_field_without_a_quantity_is_no_key(site: Path) -> None:
+    path = site / "femstruct_guest" / "barrier.py"
+    path.write_text(path.read_text(encoding="utf-8").replace("depth: Length", "depth: float"), encoding="utf-8")
+    told = python(site, "-m", "femstruct", "check", "fall.study.yaml")
+    expected = "femstruct_guest.barrier.Barrier: got depth: float, expected its quantity, as in `thickness: Length`"
+    assert (told.returncode, expected in told.stderr) == (2, True), told.stderr
+
+
 @pytest.mark.stress
 def test_a_ball_falls_on_a_law_of_another_package(site: Path) -> None:
     """All its energy is in the spring at the peak: m v^2 / 2 = E(d), found here by bisection. Kernels are compiled."""
@@ -195,7 +230,7 @@ BROKEN = {
     "an error of its own": ("MODULE:Spec", "1 / 0", "ZeroDivisionError: division by zero"),
     "no such name": ("MODULE:Spec", "", "has no attribute 'Spec'"),
     "no class": ("MODULE:Spec", "Spec = 3", "got 3, expected a class that extends femstruct.language.parts.Part"),
-    "a law": ("MODULE:Spec", "from femstruct.language.laws import StopSpec as Spec", "StopSpec'>, expected a cl"),
+    "a law": ("MODULE:Spec", "from femstruct.laws.stop import Stop as Spec", "Stop'>, expected a cl"),
     "no word": (
         "MODULE:Spec",
         f"from {PartSpec.__module__} import PartSpec\nclass Spec(PartSpec): ...",
@@ -252,7 +287,7 @@ def test_a_command_names_the_broken_package_in_one_line(site: Path) -> None:
 
 def test_the_words_of_another_package_may_be_imported_first(site: Path) -> None:
     """Its module imports ours, which look for kinds of other packages: that is no circle."""
-    for module, name in (("strut_words", "StrutSpec"), ("barrier_words", "BarrierSpec"), ("barrier", "Barrier")):
+    for module, name in (("strut_words", "StrutSpec"), ("barrier", "Barrier")):
         told = python(site, "-c", f"from femstruct_guest.{module} import {name}; import femstruct.laws.registry")
         assert (told.returncode, told.stderr) == (0, "")
 

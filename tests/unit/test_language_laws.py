@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from math import sqrt
 from pathlib import Path
 from typing import get_args
@@ -9,7 +11,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from femstruct.errors import InputErrors
+from femstruct.errors import InputError, InputErrors
 from femstruct.language.bodies import LAW_KINDS
 from femstruct.language.cases import json_schema, read_study
 from femstruct.laws.cubic import Cubic
@@ -112,6 +114,50 @@ def test_two_bodies_meet_with_their_reduced_mass_and_a_drop_tells_the_speed(tmp_
     assert dropped == HuntCrossley.returning(0.5, sqrt(2 * 9.80665 * 0.1), 1e8)
 
 
+IN_PYTHON: list[tuple[Law, Law]] = [
+    (Hertz(stiffness="1e9 N/m^1.5"), Hertz(1e9)),  # type: ignore[arg-type]
+    (
+        Hertz(E=("5.9 GPa", 210e9), nu=(0.34, 0.3), radius="5 mm"),  # type: ignore[arg-type]
+        Hertz.of_spheres((5e-3, np.inf), (5.9e9, 210e9), (0.34, 0.3)),
+    ),
+    (HuntCrossley("3 MN/m^1.2", "120 %", dissipation="1 ms/mm"), HuntCrossley(3e6, 1.2, 1.0)),  # type: ignore[arg-type]
+    (HuntCrossley(1e8, restitution="60 %", at_speed="2 m/s"), HuntCrossley.returning(0.6, 2.0, 1e8)),  # type: ignore[arg-type]
+    (Linear(restitution=0.5, duration="2 ms", mass="200 g"), Linear.returning(0.5, 0.2, duration=2e-3)),  # type: ignore[arg-type]
+    (LankaraniNikravesh("1e8 N/m^1.5", 0.9, "2 m/s"), LankaraniNikravesh(1e8, 0.9, 2.0)),  # type: ignore[arg-type]
+    (Cubic("1 kN/m", "2 N/mm^3", restitution=1.0, at_speed=3.0), Cubic(1e3, 2e9)),  # type: ignore[arg-type]
+    (Stop("2 kN/m", "3 N*s/m"), Stop(2e3, 3.0)),  # type: ignore[arg-type]
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("given", "meant"), IN_PYTHON, ids=lambda law: type(law).__name__)
+def test_python_takes_what_files_take(given: Law, meant: Law) -> None:
+    """Texts with units, and what is given in place of a field; what is kept are the numbers."""
+    assert given == meant
+    assert replace(given) == meant  # type: ignore[type-var]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Hertz("1 N/m"), "hertz law stiffness: got '1 N/m', which is a stiffness, expected a Hertz stiffness"),
+        (lambda: Hertz(1e8, E=(1e9, 1e9), nu=(0.3, 0.3)), "hertz law: got both stiffness and E, expected exactly one"),
+        (lambda: Hertz(E=(1e9, 1e9), nu=(0.3, 0.3)), "hertz law: got a hertz law without a radius"),
+        (lambda: Hertz(), "hertz law: got none of stiffness, E"),
+        (lambda: Hertz(1e8, "x"), "hertz law damping: got 'x', expected a Hertz damping"),
+        (lambda: HuntCrossley(1e8, restitution=0.5), "hunt-crossley law restitution: got a restitution without a meet"),
+        (lambda: HuntCrossley(1e8, at_speed=2.0), "hunt-crossley law: got at_speed without restitution"),
+        (lambda: HuntCrossley(1e8, dissipation=1.0, restitution=0.5, at_speed=1.0), "got both dissipation and restitu"),
+        (lambda: HuntCrossley(1e8, restitution="130 %", at_speed=1.0), "restitution: got '130 %', expected a ratio"),
+        (lambda: Linear(1e4, restitution=0.5), "linear law restitution: got a restitution between two ends without a"),
+        (lambda: LankaraniNikravesh(1e8, 0.9), "lankarani-nikravesh law restitution: got a restitution without a mee"),
+        (lambda: Stop("2 kg"), "stop law stiffness: got '2 kg', which is a mass, expected a stiffness"),
+    ],
+)  # fmt: skip
+def test_python_names_the_argument(make: Callable[[], Law], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        make()
+
+
 WORDS = [get_args(kind.model_fields["type"].annotation)[0] for kind in LAW_KINDS]
 WRONG = {  # law: what stands where the message points, the message
     "{type: linear, stiffness: 1, damping: 2, restitution: 0.5}": ("{type", "got both damping and restitution, expected"
@@ -138,19 +184,21 @@ WRONG = {  # law: what stands where the message points, the message
     "{type: hertz, stiffness: 1e8, nu: [0.3, 0.3]}": ("{type", "got nu without E"),
     "{type: hertz, stiffness: null}": ("{type", "got none of stiffness, E, expected exactly one of stiffness, E"),
     "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa], nu: null}": ("{type", "got radius without nu"),
-    "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa], nu: [0.3, 0.6]}": ("{type", "got 0.3 and 0.6, expected values"),
+    "{type: hertz, radius: 5 mm, E: [1 GPa, 1 GPa], nu: [0.3, 0.6]}": ("[0.3, 0.6]", "nu: got 0.3 and 0.6"),
     "{type: hertz, radius: [1, 2, 3], E: [1 GPa, 1 GPa], nu: [0.3, 0.3]}": ("[1, 2, 3]", "got 3 values, expected 2"),
     "{type: hunt-crossley, stiffness: 1e8 N/m}": ("1e8", "stiffness: got '1e8 N/m', which is a stiffness, expected a "
         "stiffness [N/m^1.5]; write it like 1e6 N/m^1.5"),
     "{type: hunt-crossley, stiffness: 1e8 N/m^1.5, exponent: 2}": ("1e8", "expected a stiffness [N/m^2]"),
     "{type: hunt-crossley, stiffness: -1}": ("-1", "stiffness: got -1, expected a positive stiffness"),
-    "{type: hunt-crossley, stiffness: 1 N/m^0.5, exponent: 0.5}": ("0.5}", "exponent: got 0.5, expected a ratio of at "
-        "least 1"),
+    "{type: hunt-crossley, stiffness: 1 N/m^0.5, exponent: 0.5}": ("0.5}", "exponent: got 0.5, expected an exponent of "
+        "at least 1"),
     "{type: hunt-crossley, stiffness: 1, restitution: 0.5, dissipation: 1}": ("{type", "got both dissipation and"),
     "{type: hunt-crossley, stiffness: 1, at_speed: 2 m/s}": ("{type", "got at_speed without restitution"),
     "{type: lankarani-nikravesh, stiffness: 1}": ("law:", "restitution: got nothing, expected 'restitution'"),
     "{type: cubic, stiffness: 1}": ("law:", "cubic: got nothing, expected 'cubic'"),
-    "{type: cubic, cubic: -1}": ("-1", "cubic: got -1, expected a positive value: a stiffness per area"),
+    "{type: cubic, cubic: -1}": ("-1", "cubic: got -1, expected a stiffness per area of at least 0"),
+    "{type: cubic, cubic: 0}": ("{type", "got no stiffness, expected a stiffness, a cubic stiffness, or both"),
+    "{type: table, curve: [[0, 0], [1, 1]], smooth: 1}": ("1}", "smooth: got 1, expected true or false"),
     "{type: table}": ("{type", "got none of curve, file"),
     "{type: table, curve: [[0, 0]]}": ("[[0", "got 1 values, expected at least 2"),
     "{type: table, curve: [[0, 0], [1 mm, 2 N], [2 mm, 1 N]]}": ("[[0", "got force 1 N after 2 N, expected a rise"),

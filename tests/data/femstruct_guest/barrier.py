@@ -6,7 +6,9 @@ from typing import ClassVar
 from scipy.optimize import brentq
 
 from femstruct.compiled.kernels import kernel
-from femstruct.laws.law import Code, Law, StoredLaw
+from femstruct.declared import checked
+from femstruct.laws.law import Code, Dissipation, FactorLaw, PositiveStiffness, StoredLaw
+from femstruct.quantities import Length
 from femstruct.tags import stored_as
 
 
@@ -24,15 +26,16 @@ CODE = Code(_spring)
 
 @stored_as("femstruct_guest: barrier/1")
 @dataclass(frozen=True)
-class Barrier(Law):
-    """f = k d (1 + (d / depth)^4) (1 + chi d'); k [N/m], depth [m], chi [s/m]."""
+@checked("{word} law")
+class Barrier(FactorLaw):
+    """f = k d (1 + (d / depth)^4) (1 + chi d'): the spring of a layer."""
 
     word: ClassVar = "barrier"
     code: ClassVar = CODE
 
-    stiffness: float
-    depth: float
-    dissipation: float = 0.0
+    stiffness: PositiveStiffness
+    depth: Length
+    dissipation: Dissipation = 0.0
     tensile: bool = False
 
     @property
