@@ -179,8 +179,8 @@ def test_a_law_is_one_class_for_files_python_and_the_schema(site: Path) -> None:
     study = site.parent / "fall.study.yaml"
     study.write_text(FALL.replace("depth: 1.5 mm", "depth: 1.5 N"), encoding="utf-8")
     told = python(site, "-m", "femstruct", "check", "fall.study.yaml")
-    column = FALL.splitlines()[4].index("1.5 mm") + 1
-    expected = f"fall.study.yaml:5:{column}: contacts.hit.law.depth: got '1.5 N', which is a force, expected a length"
+    column = FALL.splitlines()[3].index("1.5 mm") + 1
+    expected = f"fall.study.yaml:4:{column}: contacts.hit.law.depth: got '1.5 N', which is a force, expected a length"
     assert (told.returncode, expected in told.stderr) == (2, True), told.stderr
     made = "from femstruct_guest.barrier import Barrier as B; print(B('50 kN/m', '1.5 mm', restitution=1, at_speed=2))"
     told = python(site, "-c", f"{made}; B(1e4, '-1 mm')")
