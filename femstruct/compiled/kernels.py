@@ -187,9 +187,11 @@ class CompiledUnit(Generic[P, R]):
         return tuple(slot_of(f"{self.name}({name})", name, i, hints[name]) for i, name in enumerate(names))
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
-        assert not kwargs
         alive: list[Any] = []
-        given: tuple[Any, ...] = args
+        names = [slot.name for slot in self.slots[len(args) :]]
+        if kwargs.keys() != set(names):
+            raise TypeError(f"{self.name}: got {', '.join(kwargs)}; expected {', '.join(names)}")
+        given: tuple[Any, ...] = (*args, *(kwargs[name] for name in names))
         ready = [
             laid_out(slot.inner, value, alive) if slot.inner is not None else value
             for slot, value in zip(self.slots, given, strict=True)

@@ -18,15 +18,20 @@ from femstruct.arrays import Floats, Integers, frozen
 from femstruct.compiled.kernels import Counts, Cube, Matrix, Vector, kernel, unit
 from femstruct.compiled.records import ManyInterfaces, ManyLoads, ManyStrikes, Records, System
 from femstruct.errors import InputError
-from femstruct.impact.collocation import ERROR_BUDGET, Workspace, march, march_room
+from femstruct.impact.collocation import ERROR_BUDGET, CollocationSteps, Workspace, march, march_room
 from femstruct.impact.contact_events import (
+    ALL_OPEN,
     CLOSES,
     DONE,
     DRIFT,
     EVENTS,
     HELD,
+    PEAK,
+    PEAK_AT,
     ROWS,
     SINCE,
+    WHAT,
+    WHOSE,
     WORKED,
     RunRecord,
     lies,
@@ -34,12 +39,19 @@ from femstruct.impact.contact_events import (
 )
 from femstruct.impact.contact_events import STEPS as STEPS_TAKEN
 from femstruct.impact.energies import TIME, ledger_width, part_energies
-from femstruct.impact.exact import ExactRoom, ExactRule, exact_march, exact_room, exact_rule, takes_exact_march
+from femstruct.impact.exact import (
+    ExactRoom,
+    ExactRule,
+    ExactSteps,
+    exact_march,
+    exact_room,
+    exact_rule,
+    takes_exact_march,
+)
 from femstruct.impact.propagation import (
     FINEST_HALVINGS,
     POINTS,
     STAGES,
-    Rule,
     State,
     Tables,
     collocation_rule,
@@ -199,7 +211,8 @@ class SharedTables(NamedTuple):
     """What all runs share. start [2, k] of the modes; waits [b] : 1 for a body that is at rest until its first blow;
     entries [r, b] of the bodies in the rows and over [o, n] of what struck bodies are placed on, for unit masses;
     struck [o] : which bodies; weight : the first row of the bodies' weight, and all rows from there on; gravity
-    [m/s^2]; mobility [r] of the modes; tables of the modes, and of a free unit mass with a row of its own."""
+    [m/s^2]; quiet [s] : as of the clock; mobility [r] of the modes; tables of the modes, and of a free unit mass with a
+    row of its own."""
 
     start: Matrix
     waits: Counts
@@ -209,6 +222,7 @@ class SharedTables(NamedTuple):
     struck: Counts
     weight: int
     gravity: float
+    quiet: float
     mobility: Vector
     modes: Tables
     mass: Tables
@@ -225,20 +239,13 @@ class Runs(NamedTuple):
 
 
 class Marches(NamedTuple):
-    """What both marches need. exact : whether it is the exact one, which needs no tables; duration [s] and quiet [s];
-    halvings, top_level, tolerance, and paced, the steps tried between two looks at the progress : of the march by
-    collocation."""
+    """What both marches need, the exact one and the one by collocation. exact : whether it is the exact one, which
+    needs no tables."""
 
     exact: bool
-    duration: float
-    quiet: float
-    max_steps: int
-    paced: int
-    halvings: int
-    top_level: int
-    tolerance: float
-    rule: Rule
+    steps: CollocationSteps
     room: Workspace
+    exact_steps: ExactSteps
     exact_rule: ExactRule
     exact_room: ExactRoom
 
@@ -278,15 +285,9 @@ def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, ma
         record.totals[:], record.travel[:], record.deepest[:], record.late[:] = 0.0, 0.0, 0.0, np.nan
         record.strikes[:], record.latest[:], record.strike_peak[:], record.moments[:] = 0.0, -1, 0.0, 0.0
         if marches.exact:
-            status = exact_march(
-                frame, state, marches.exact_rule, marches.exact_room, record, marches.duration, np.inf, np.inf,
-                marches.max_steps,
-            )  # fmt: skip
+            status = exact_march(frame, state, marches.exact_rule, marches.exact_room, record, marches.exact_steps)
         else:
-            status = march(
-                frame, state, marches.rule, tables, marches.room, record, marches.halvings, marches.top_level,
-                marches.tolerance, marches.max_steps, marches.paced,
-            )  # fmt: skip
+            status = march(frame, state, tables, marches.room, record, marches.steps)
         if out.moments.shape[2] > 0:
             for a in range(len(record.moments)):
                 copy_to(out.moments[i, a], record.moments[a])
@@ -294,7 +295,10 @@ def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, ma
         end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
         record.totals[DRIFT] += abs(part_energies(frame, state, end))
         mass, row = runs.mass[i], out.rows[i]
-        _measure(frame, state, record, status, events, end, mass, shared.gravity, marches.quiet, at, row)
+        _measure(
+            frame, state, record, at, row,
+            status=status, events=events, last=end, mass=mass, gravity=shared.gravity, quiet=shared.quiet,
+        )  # fmt: skip
     return len(out.rows)
 
 
@@ -357,9 +361,9 @@ def _weigh_rows(frame: System, shared: SharedTables, mass: Floats) -> None:
 
 
 @kernel
-def _measure(system: System, state: State, record: RunRecord, status: int, events: int, last: Floats, mass: Floats,
-             gravity: float, quiet: float, at: Columns, row: Floats) -> None:  # fmt: skip
-    """One row of metrics; a run that failed has its status and steps only."""
+def _measure(system: System, state: State, record: RunRecord, at: Columns, row: Floats, status: int, events: int,
+             last: Floats, mass: Floats, gravity: float, quiet: float) -> None:  # fmt: skip
+    """One row of metrics; a run that failed has its status and steps only. last : the ledger row at the end."""
     m, k, log, times = len(system.interfaces), system.n_modes, record.events, record.event_rows[:, TIME]
     row[:] = np.nan
     row[STATUS], row[STEPS] = status, record.totals[STEPS_TAKEN]
@@ -373,25 +377,26 @@ def _measure(system: System, state: State, record: RunRecord, status: int, event
     scale = max(abs(total), record.totals[WORKED])
     row[RESIDUAL] = record.totals[DRIFT] / scale if scale > 0.0 else 0.0
     for a in range(m):
-        row[at.peak + a], row[at.peak_time + a] = record.peak[a, 0], record.peak[a, 1]
+        row[at.peak + a], row[at.peak_time + a] = record.peak[a, PEAK], record.peak[a, PEAK_AT]
         for s in range(len(record.strike_peak)):  # peaks are those since the last blow
-            if record.strike_peak[s, a, 0] > row[at.peak + a]:
-                row[at.peak + a], row[at.peak_time + a] = record.strike_peak[s, a, 0], record.strike_peak[s, a, 1]
+            peak = record.strike_peak[s, a]
+            if peak[PEAK] > row[at.peak + a]:
+                row[at.peak + a], row[at.peak_time + a] = peak[PEAK], peak[PEAK_AT]
         row[at.closings + a], row[at.deepest + a] = 0.0, record.deepest[a]
         row[at.shortest + a], row[at.closed + a] = record.shortest[a], record.closed[a]
     for e in range(events):
-        a = log[e, 0]
+        a = log[e, WHOSE]
         row[at.last + a] = times[e]
-        if log[e, 1] == CLOSES:
+        if log[e, WHAT] == CLOSES:
             row[at.closings + a] += 1.0
         elif np.isnan(row[at.first_open + a]):
             row[at.first_open + a] = times[e]
     again = np.inf  # when the next closing is, going back
     row[SEPARATED] = 0.0
     for e in range(events - 1, -1, -1):
-        if log[e, 1] == CLOSES:
+        if log[e, WHAT] == CLOSES:
             again = times[e]
-        elif log[e, 2] and times[e] + quiet <= end and again > times[e] + quiet:
+        elif log[e, ALL_OPEN] and times[e] + quiet <= end and again > times[e] + quiet:
             row[SEPARATED] = 1.0
             for i in range(ledger):
                 row[at.separation + i] = record.event_rows[e, i]
@@ -487,6 +492,7 @@ class Fleet:
             struck=struck,
             weight=weight,
             gravity=scene.gravity,
+            quiet=window.quiet,
             mobility=(compiled.pushed**2).sum(axis=1),
             modes=modes,
             mass=tabulated(unit, levels, collocation_rule()),
@@ -509,7 +515,7 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int =
     record = room_for(system, 0)._replace(stop=stop, moments=np.zeros((r, columns)), spacing=np.array([spacing]))
     record.late_at[0] = fleet.late
     run_many(
-        system._replace(
+        frame=system._replace(
             rows=system.rows.copy(),
             mobility=system.mobility.copy(),
             over=system.over.copy(),
@@ -519,29 +525,29 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int =
             loads=system.loads.copy(),
             strikes=system.strikes.copy(),
         ),
-        fleet.shared,
-        tables._replace(
+        shared=fleet.shared,
+        tables=tables._replace(
             free=tables.free.copy(),
             forced=tables.forced.copy(),
             stray_push=tables.stray_push.copy(),
         ),
-        numbers(fleet.varied, fleet.compiled, first, first + len(out)),
-        Marches(
+        runs=numbers(fleet.varied, fleet.compiled, first, first + len(out)),
+        marches=Marches(
             exact=fleet.exact,
-            duration=fleet.clock.duration,
-            quiet=fleet.clock.quiet,
-            max_steps=MAX_STEPS,
-            paced=STEPS_BETWEEN_CHECKS,
-            halvings=fleet.compiled.halvings,
-            top_level=fleet.top_level,
-            tolerance=fleet.clock.tolerance * ERROR_BUDGET,
-            rule=collocation_rule(),
+            steps=CollocationSteps(
+                halvings=fleet.compiled.halvings,
+                top_level=fleet.top_level,
+                tolerance=fleet.clock.tolerance * ERROR_BUDGET,
+                max_steps=MAX_STEPS,
+                paced=STEPS_BETWEEN_CHECKS,
+            ),
             room=march_room(system),
+            exact_steps=ExactSteps(fleet.clock.duration, interval=np.inf, longest=np.inf, max_steps=MAX_STEPS),
             exact_rule=exact_rule(),
             exact_room=exact_room(system),
         ),
-        record,
-        State(
+        record=record,
+        state=State(
             z=np.zeros(n),
             v=np.zeros(n),
             status=np.zeros(m, dtype=np.int64),
@@ -549,8 +555,8 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int =
             pace=np.zeros(r),
             force=np.zeros(m),
         ),
-        fleet.columns,
-        Out(out, moments),
+        at=fleet.columns,
+        out=Out(out, moments),
     )
     return moments
 

@@ -14,11 +14,14 @@ from femstruct.impact.contact_events import (
     FULL,
     LIFTED,
     NO_FORCES,
+    OF_PLACE,
+    OF_SPEED,
     OPENS,
     STALLS,
     STEPS,
     TOO_MANY_EVENTS,
     RunRecord,
+    Standing,
     balance_books,
     confirm,
     ended,
@@ -32,11 +35,12 @@ from femstruct.impact.contact_events import (
     peaks,
     peaks_at_start,
     settle_events,
+    standing_room,
     strike,
     touch,
     travels,
 )
-from femstruct.impact.energies import INTEGRATED, MODES, integrate_losses, part_energies, take_stock
+from femstruct.impact.energies import MODES, integrate_losses, part_energies, take_stock
 from femstruct.impact.propagation import (
     AWAY,
     CLAMPED,
@@ -53,7 +57,6 @@ from femstruct.impact.propagation import (
     StepTrial,
     Tables,
     advance,
-    collocation_rule,
     copy_to,
     law,
     load_at,
@@ -78,13 +81,13 @@ from femstruct.impact.system import Compiled
 RELATIVE = 1e-12  # relative to the largest value in the step: rounding of the Bernstein coefficients
 AMPLIFIED = 400.0  # rounding of the values in the Bernstein coefficients: the norm of that matrix is 375
 SAFE, CHANGES, UNCERTAIN, SHARP = 0, 1, 2, 3
+PLACE_MISSED, RATE_MISSED, PLACE_ROUNDING, RATE_ROUNDING = 0, 1, 2, 3  # columns of what is unknown of an interface
 
 
 @kernel
-def strays(level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: StepTrial,
-           out: Floats) -> None:  # fmt: skip
+def strays(level: int, system: System, state: State, tables: Tables, trial: StepTrial, out: Floats) -> None:
     """Per interface what interpolation can miss of displacement and velocity, and their rounding: out [i, 4]."""
-    r = len(system.rows)
+    r, rule = len(system.rows), tables.rule
     derivatives = trial.derivatives
     derivatives[:] = 0.0
     for a in range(r):
@@ -102,27 +105,27 @@ def strays(level: int, h: float, system: System, state: State, rule: Rule, table
             norm = system.omega[i] * z + v
             for a in range(len(out)):
                 row = abs(system.rows[a, i])
-                out[a, 2] += row * z
-                out[a, 3] += row * v
+                out[a, PLACE_ROUNDING] += row * z
+                out[a, RATE_ROUNDING] += row * v
                 if coupled:
                     tilt, squared = abs(system.tilts[a, i]), system.omega[i] * system.omega[i]
-                    out[a, 0] += tilt * rate[i] * norm
-                    out[a, 1] += tilt * squared * place[i] * norm
-                    out[a, 2] += tilt * v
-                    out[a, 3] += tilt * (squared * z + system.damping[i] * v)
-                    out[a, 0] += row * place[i] * norm
+                    out[a, PLACE_MISSED] += tilt * rate[i] * norm
+                    out[a, RATE_MISSED] += tilt * squared * place[i] * norm
+                    out[a, PLACE_ROUNDING] += tilt * v
+                    out[a, RATE_ROUNDING] += tilt * (squared * z + system.damping[i] * v)
+                    out[a, PLACE_MISSED] += row * place[i] * norm
                     row = abs(system.rows[a, i] - system.tilts[a, i] * system.damping[i])
-                    out[a, 1] += row * rate[i] * norm
+                    out[a, RATE_MISSED] += row * rate[i] * norm
                 else:
-                    out[a, 0] += row * place[i] * norm
-                    out[a, 1] += row * rate[i] * norm
+                    out[a, PLACE_MISSED] += row * place[i] * norm
+                    out[a, RATE_MISSED] += row * rate[i] * norm
     for a in range(len(out)):
         for b in range(r):
             for j in range(STAGES + 1):
-                out[a, 0] += push[0, j, a, b] * derivatives[b, j]
-                out[a, 1] += push[1, j, a, b] * derivatives[b, j]
-        out[a, 2] *= DISPLACEMENT_ROUNDING
-        out[a, 3] *= DISPLACEMENT_ROUNDING
+                out[a, PLACE_MISSED] += push[0, j, a, b] * derivatives[b, j]
+                out[a, RATE_MISSED] += push[1, j, a, b] * derivatives[b, j]
+        out[a, PLACE_ROUNDING] *= DISPLACEMENT_ROUNDING
+        out[a, RATE_ROUNDING] *= DISPLACEMENT_ROUNDING
 
 
 @kernel
@@ -174,8 +177,9 @@ def _interpolant(values: Floats, theta: float, rule: Rule) -> float:
 
 
 @kernel
-def watch(h: float, system: System, state: State, rule: Rule, trial: StepTrial, bounds: Floats,
-          loaded: Floats) -> tuple[int, float]:  # fmt: skip
+def watch(
+    system: System, state: State, rule: Rule, trial: StepTrial, bounds: Floats, loaded: Floats
+) -> tuple[int, float]:
     """First change of status in a trial step: SAFE, CHANGES or SHARP with the part before it, or UNCERTAIN."""
     values = trial.watched
     answer, part = SAFE, 1.0
@@ -184,7 +188,7 @@ def watch(h: float, system: System, state: State, rule: Rule, trial: StepTrial, 
             continue
         clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
         constant, by_depth, by_speed = sense(system, a)
-        stray, margin, status = bounds[a, 0], bounds[a, 2], state.status[a]
+        stray, margin, status = bounds[a, PLACE_MISSED], bounds[a, PLACE_ROUNDING], state.status[a]
         # indentation must stay negative when open, positive when closed; a dashpot beside the spring pulls before that
         if status != CLOSED or not clamps or by_depth == 0.0:
             side = 1.0 if status == OPEN else -1.0
@@ -197,8 +201,9 @@ def watch(h: float, system: System, state: State, rule: Rule, trial: StepTrial, 
             for p in range(PLACES):
                 depth = trial.place[a, p] + system.interfaces[a]["offset"]
                 values[p] = side * (constant + by_depth * depth + by_speed * trial.rate[a, p])
-            margin = by_depth * bounds[a, 2] + by_speed * bounds[a, 3]
-            code, where = excursion(values, margin, by_depth * bounds[a, 0] + by_speed * bounds[a, 1], rule)
+            margin = by_depth * bounds[a, PLACE_ROUNDING] + by_speed * bounds[a, RATE_ROUNDING]
+            stray = by_depth * bounds[a, PLACE_MISSED] + by_speed * bounds[a, RATE_MISSED]
+            code, where = excursion(values, margin, stray, rule)
             answer, part = _first(answer, part, code, where)
         if system.interfaces[a]["preload"] > 0.0 and status == CLOSED:
             side = -1.0 if loaded[a] > 0.0 else 1.0
@@ -215,7 +220,7 @@ def watch(h: float, system: System, state: State, rule: Rule, trial: StepTrial, 
 def least_excess(system: System, bounds: Floats, a: int) -> float:
     """What the force of a preloaded contact must differ from its preload by for its sign to be known."""
     _, by_place, by_rate, _ = law(system, a, system.interfaces[a]["offset"], 0.0)
-    rounding = by_place * bounds[a, 2] + by_rate * bounds[a, 3]
+    rounding = by_place * bounds[a, PLACE_ROUNDING] + by_rate * bounds[a, RATE_ROUNDING]
     return float(max(PRELOAD * system.interfaces[a]["preload"], rounding))
 
 
@@ -246,11 +251,11 @@ def switch(system: System, state: State, trial: StepTrial, bounds: Floats, a: in
         return AWAY
     p = PLACES - 1
     delta, speed = trial.place[a, p] + system.interfaces[a]["offset"], trial.rate[a, p]
-    margin = bounds[a, 2]
+    margin = bounds[a, PLACE_ROUNDING]
     constant, by_depth, by_speed = sense(system, a)
     psi = constant + by_depth * delta + by_speed * speed
     clamps = system.interfaces[a]["tensile"] == 0 and system.interfaces[a]["closing"] > 0.0
-    psi_margin = by_depth * margin + by_speed * bounds[a, 3]
+    psi_margin = by_depth * margin + by_speed * bounds[a, RATE_ROUNDING]
     if state.status[a] == OPEN:
         if delta > margin:
             return CLOSED if psi > 0.0 or not clamps else CLAMPED
@@ -275,54 +280,43 @@ ERROR, PART = 0, 1  # columns of what is found
 
 
 class Workspace(NamedTuple):
-    """Work space of a march. trial : of its steps, with their work space. lost [m + INTEGRATED] : dissipated by
-    interfaces, by modes; work; brought by blows; given to coupled modes. bounds [m, 4] : what interpolation can miss of
-    an interface. work [s + 4, n]. loaded, closed_at [m] : whether a contact counts as closed, and since when. place,
-    rate [r] : of the rows.
+    """Work space of a march. trial : of its steps, with their work space. here : between two steps. bounds [m, 4] :
+    what interpolation can miss of an interface, and rounding. work [s + 4, n].
     found [2] : of a trial step: its error over what is allowed, and the part of it before the first change of status.
     """
 
     trial: StepTrial
-    lost: Vector
+    here: Standing
     bounds: Matrix
     work: Matrix
-    loaded: Vector
-    closed_at: Vector
-    place: Vector
-    rate: Vector
     found: Vector
 
 
 def march_room(system: System) -> Workspace:
     """Work space for marches of a system of this size."""
-    n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
     return Workspace(
         trial=trial_room(system),
-        lost=np.zeros(m + INTEGRATED),
-        bounds=np.zeros((m, 4)),
-        work=np.zeros((STAGES + 4, n)),
-        loaded=np.zeros(m),
-        closed_at=np.zeros(m),
-        place=np.zeros(r),
-        rate=np.zeros(r),
+        here=standing_room(system),
+        bounds=np.zeros((len(system.interfaces), 4)),
+        work=np.zeros((STAGES + 4, len(system.omega))),
         found=np.zeros(2),
     )
 
 
 @unit(seconds=6.0)
-def attempt(now: float, level: int, system: System, state: State, rule: Rule, tables: Tables, room: Workspace,
-            tolerance: float) -> int:  # fmt: skip
+def attempt(
+    now: float, level: int, system: System, state: State, tables: Tables, room: Workspace, tolerance: float
+) -> int:
     """Try a step of tick 2^level from now on; what the watch over the contacts says of it, or REFUSED.
 
     One that is a tick long is taken whatever its error, as long as its forces were found.
     """
-    h = system.tick * float(1 << level)
-    error = try_step(now, level, h, system, state, rule, tables, room.trial, tolerance)
+    error = try_step(now, level, system, state, tables, room.trial, tolerance)
     room.found[ERROR] = error
     if not error < np.inf or (error > 1.0 and level > 0):
         return REFUSED
-    strays(level, h, system, state, rule, tables, room.trial, room.bounds)
-    answer, part = watch(h, system, state, rule, room.trial, room.bounds, room.loaded)
+    strays(level, system, state, tables, room.trial, room.bounds)
+    answer, part = watch(system, state, tables.rule, room.trial, room.bounds, room.here.loaded)
     room.found[PART] = part
     return answer
 
@@ -339,9 +333,10 @@ OF_TWO = 0.21132486540518713  # of two
 
 
 @kernel
-def gather(t: float, h: float, rule: Rule, trial: StepTrial, moments: Floats, shares: Floats, spacing: float) -> None:
+def gather(t: float, h: float, rule: Rule, trial: StepTrial, record: RunRecord) -> None:
     """Add what the forces of a step from t to t + h push to moments [r, cells + 2]: the integrals of each force times a
-    hat of the spacing's width around each time of the grid [N s]. shares [STAGES] : room."""
+    hat of the spacing's width around each time of the grid [N s]."""
+    moments, spacing = record.moments, record.spacing[0]
     first, last = int(t / spacing), int((t + h) / spacing)
     last = min(last, moments.shape[1] - 2)
     if first >= last:
@@ -358,22 +353,32 @@ def gather(t: float, h: float, rule: Rule, trial: StepTrial, moments: Floats, sh
         width = high - low
         if width <= 0.0:
             continue
-        if h > LONG * spacing:
-            _look(t, h, low + OF_TWO * width, 0.5 * width, cell, rule, trial, moments, shares, spacing)
-            _look(t, h, high - OF_TWO * width, 0.5 * width, cell, rule, trial, moments, shares, spacing)
-        else:
-            _look(t, h, low + OUTER * width, OF_OUTER * width, cell, rule, trial, moments, shares, spacing)
-            _look(t, h, low + INNER * width, OF_INNER * width, cell, rule, trial, moments, shares, spacing)
-            _look(t, h, high - INNER * width, OF_INNER * width, cell, rule, trial, moments, shares, spacing)
-            _look(t, h, high - OUTER * width, OF_OUTER * width, cell, rule, trial, moments, shares, spacing)
+        coarse = h > LONG * spacing
+        for i in range(2 if coarse else 4):
+            from_low, place, weight = _cell_point(i, coarse)
+            theta = low + place * width if from_low else high - place * width
+            _add_point((t + theta * h) / spacing - cell, theta, weight * width * h, cell, rule, trial, record)
         low = high
 
 
 @kernel
-def _look(t: float, h: float, theta: float, weight: float, cell: int, rule: Rule, trial: StepTrial, moments: Floats,
-          shares: Floats, spacing: float) -> None:  # fmt: skip
-    """What one point of a cell adds; theta, weight : of the step."""
-    total = 0.0
+def _cell_point(i: int, coarse: bool) -> tuple[bool, float, float]:
+    """Gauss point i of a cell, of two or of four: whether from its low end, else from its high one, how far, and its
+    weight; both of its length."""
+    if coarse:
+        return i == 0, OF_TWO, 0.5
+    if i in (0, 3):
+        return i == 0, OUTER, OF_OUTER
+    return i == 1, INNER, OF_INNER
+
+
+@kernel
+def _add_point(
+    at: float, theta: float, share: float, cell: int, rule: Rule, trial: StepTrial, record: RunRecord
+) -> None:
+    """What one point of a cell adds. at : where it is in the cell; theta : and in the step, of which it has a share
+    [s]."""
+    total, moments, shares = 0.0, record.moments, record.shares
     for i in range(STAGES):
         distance = theta - rule.nodes[i]
         if distance == 0.0:  # beside it: interpolation there is to rounding
@@ -381,12 +386,11 @@ def _look(t: float, h: float, theta: float, weight: float, cell: int, rule: Rule
         # barycentric weights of the places without both ends
         shares[i] = rule.barycentric[i + 1] * rule.nodes[i] * (rule.nodes[i] - 1.0) / distance
         total += shares[i]
-    at = (t + theta * h) / spacing - cell
     for a in range(len(moments)):
         push = 0.0
         for i in range(STAGES):
             push += shares[i] * trial.forces[a, i]
-        push *= weight * h / total
+        push *= share / total
         moments[a, cell] += push * (1.0 - at)
         moments[a, cell + 1] += push * at
 
@@ -399,136 +403,96 @@ def _look(t: float, h: float, theta: float, weight: float, cell: int, rule: Rule
 # ----------------------------------------------------------------------------------------------------------------------
 
 ERROR_BUDGET = 0.1  # share of the tolerance that a step may spend
+LEDGER_ROWS = 2048  # at most, while nothing acts
+
+
+class CollocationSteps(NamedTuple):
+    """How a march chooses its steps. halvings : of the sampling interval to a tick. top_level : of the longest step.
+    tolerance : of the error of a step. max_steps : tried at most. paced : tried between two looks at the progress."""
+
+    halvings: int
+    top_level: int
+    tolerance: float
+    max_steps: int
+    paced: int
 
 
 @unit(seconds=9.0)
-def march(system: System, state: State, rule: Rule, tables: Tables, room: Workspace, record: RunRecord, halvings: int,
-          top_level: int, tolerance: float, max_steps: int, paced: int) -> int:  # fmt: skip
+def march(
+    system: System, state: State, tables: Tables, room: Workspace, record: RunRecord, steps: CollocationSteps
+) -> int:
     """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
-    paced : steps tried between two looks at the progress. A record without samples is of one interval of 2^halvings
-    ticks, and keeps the first and the last ledger row only.
+    A record without samples is of one interval of 2^halvings ticks, and keeps the first and the last ledger row only.
     """
-    history, m, samples = record.history, len(system.interfaces), len(record.at)
-    per_sample = 1 << halvings
+    history, samples, here, trial = record.history, len(record.at), room.here, room.trial
+    per_sample = 1 << steps.halvings
     end = max(samples, 1) * per_sample
-    trial, lost, bounds, place, rate = room.trial, room.lost, room.bounds, room.place, room.rate
-    loaded, closed_at = room.loaded, room.closed_at
-    lost[:], loaded[:], closed_at[:] = 0.0, 0.0, 0.0
-    rows_now(system, state.z, state.v, place, rate)
-    _start(system, state, place, rate, loaded)
-    initial = open_books(system, state, place, lost, record)
-    n_history = 1
-    peaks_at_start(system, state, place, rate, record)
-    n_events = log_changes(0.0, system, state, loaded, history[0], 0, record)
-    stride = max(end // 2048, 1)
-    while samples > 0 and top_level > 0 and (1 << top_level) > 4 * stride:  # a ledger row is the end of a step
-        top_level -= 1
-    t, level, hint, kink, blow = 0, top_level, -1, 0, 0
-    while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
-        first_strike(system, blow, state, record)
-        blow += 1
-    last, tried, seen, late = 0, 0, 0, record.late_at[0]
+    stride = max(end // LEDGER_ROWS, 1)
+    top_level = _longest_kept(steps.top_level, stride) if samples > 0 else steps.top_level
+    initial = _begin(system, state, room, record)
+    n_history, n_events = 1, log_changes(0.0, system, state, here.loaded, history[0], 0, record)
+    blow = _strikes_at_start(system, state, record)
+    t, level, hint, kink = 0, top_level, -1, 0
+    last, tried, seen = 0, 0, 0
     while t < end:
-        how = goes_on(record, max_steps)
+        how = goes_on(record, steps.max_steps)
+        tried += 1
+        if tried == steps.paced:
+            if how == DONE and t - seen < steps.paced * (end / steps.max_steps):
+                how = STALLS  # at this pace all steps are gone before the end
+            tried, seen = 0, t
         if how != DONE:
             return ended(record, how, t * system.tick, n_history, n_events)
-        tried += 1
-        if tried == paced:
-            if t - seen < paced * (end / max_steps):  # at this pace all steps are gone before the end
-                return ended(record, STALLS, t * system.tick, n_history, n_events)
-            tried, seen = 0, t
-        limit = end
-        while kink < len(system.kinks) and system.kinks[kink] <= t:
-            kink += 1
-        if kink < len(system.kinks):
-            limit = min(limit, system.kinks[kink])
-        if hint > t:
-            limit = min(limit, hint)
-        level = min(level, _longest(t, limit - t, top_level))
+        kink = _next_kink(system, kink, t)
+        limit = _limit(system, kink, hint, t, end)
         acting = _acts(system, (t + 0.5 * min(limit - t, per_sample)) * system.tick)
-        if acting:  # what a load puts in is kept as finely as what it moves
-            level = min(level, halvings)
-        h = system.tick * float(1 << level)
-        now = t * system.tick
-        for a in range(len(place)):
-            trial.place[a, 0], trial.rate[a, 0] = place[a], rate[a]
-        answer = attempt(now, level, system, state, rule, tables, room, tolerance)
+        # what a load puts in is kept as finely as what it moves
+        level = min(level, _longest(t, limit - t, top_level), steps.halvings if acting else top_level)
+        now, h = t * system.tick, system.tick * float(1 << level)
+        _begin_trial(room)
+        answer = attempt(now, level, system, state, tables, room, steps.tolerance)
         error, part = room.found[ERROR], room.found[PART]
         if answer == REFUSED:
             if level == 0:
                 return ended(record, NO_FORCES, now, n_history, n_events)
-            level -= 1 if error < 300.0 else (2 if error < 1e6 else 4)
-            level = max(level, 0)
+            level = max(level - _levels_down(error), 0)
             continue
-        ticks = 1 << level
-        if answer == UNCERTAIN and level > 0:
-            level -= 1
-            continue
-        if answer == CHANGES and level > 0:
-            hint = t + int(part * ticks)
+        if level > 0 and answer in (UNCERTAIN, CHANGES):  # until the change is known, or sharp
+            if answer == CHANGES:
+                hint = t + int(part * (1 << level))
             level -= 1
             continue
         if samples > 0 and t % per_sample == 0:
-            keep(t // per_sample, max(level - halvings, 0), state, trial, record)
-        peaks(now, h, system, state, rule, trial, record)
-        travels(h, system, state, rule, trial, record)
-        if record.moments.shape[1] > 0:
-            gather(now, h, rule, trial, record.moments, record.shares, record.spacing[0])
-        _confirm_step(system, state, trial, bounds, record)
-        integrate_losses(h, system, state, rule, trial, lost)
-        lost[m + MODES] += advance(level, system, tables, trial.forces, state.z, state.v, room.work)
-        t += ticks
+            keep(t // per_sample, max(level - steps.halvings, 0), state, trial, record)
+        _note_step(now, h, system, state, tables.rule, room, record)
+        here.lost[len(system.interfaces) + MODES] += advance(
+            level, system, tables, trial.forces, state.z, state.v, room.work
+        )
+        before, t = t, t + (1 << level)
         now = t * system.tick
-        if 0 <= late <= t:
-            copy_to(record.late, state.v)
-            late = -1
+        _arrive(before, t, system, state, room, record)
         changes = answer in (CHANGES, SHARP)
         moment = now - (1.0 - part) * h if changes else now
-        rows_now(system, state.z, state.v, place, rate)
-        for a in range(len(system.rows)):
-            for p in range(PLACES):
-                state.pace[a] = max(state.pace[a], abs(trial.rate[a, p]))
         if changes:
-            for a in range(len(place)):
-                trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = place[a], rate[a]
-            for a in range(m):
-                if system.interfaces[a]["kind"] != LINK:
-                    before = loaded[a]
-                    state.status[a] = switch(system, state, trial, bounds, a)
-                    loaded[a] = _is_loaded(system, state, a, place[a], rate[a], least_excess(system, bounds, a), before)
-                    closed_at[a] = moment if loaded[a] > before else closed_at[a]
+            _switch_contacts(moment, system, state, room)
         struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
         if struck:
-            take_stock(now, system, state, place, lost, history[n_history])
+            take_stock(now, system, state, here.place, here.lost, history[n_history])
             keep_row(n_history, state, record)
             n_history += 1
-            while blow < len(system.strikes) and system.strikes[blow]["tick"] <= t:
-                strike(now, t, blow, system, state, place, rate, loaded, closed_at, lost, record)
-                blow += 1
-            for a in range(m):
-                if record.closed[a] > 0.0 and record.latest[a] >= 0 and system.strikes[record.latest[a]]["tick"] == t:
-                    if n_events == len(record.events):
-                        return ended(record, TOO_MANY_EVENTS, now, n_history, n_events)
-                    log_event(record, n_events, a, OPENS, LIFTED, history[n_history - 1])
-                    part_energies(system, state, record.event_rows[n_events])
-                    n_events += 1
-                    record.closed[a] = 0.0
+            blow = _strike_bodies(now, t, blow, system, state, here, record)
+            n_events = _log_lifted(t, system, state, history[n_history - 1], n_events, record)
+            if n_events == FULL:
+                return ended(record, TOO_MANY_EVENTS, now, n_history, len(record.events))
             moment = now
-        for a in range(m):
-            if (
-                system.interfaces[a]["kind"] == LINK
-                and state.status[a] == OPEN
-                and system.interfaces[a]["release"] <= t
-            ):
-                state.status[a], state.rest[a] = CLOSED, place[a]
-            state.force[a] = net_force(system, state, a, place[a], rate[a]) if state.status[a] == CLOSED else 0.0
-        if not balance_books(now, initial, system, state, place, lost, history[n_history], record):
+        _act(t, system, state, here)
+        if not balance_books(now, initial, system, state, here, history[n_history], record):
             return ended(record, NO_FORCES, now, n_history, n_events)
-        n_events = log_changes(moment, system, state, loaded, history[n_history], n_events, record)
+        n_events = log_changes(moment, system, state, here.loaded, history[n_history], n_events, record)
         if n_events == FULL:
             return ended(record, TOO_MANY_EVENTS, now, n_history, len(record.events))
-        busy = (acting or _total(loaded) > 0.0) and t - last >= per_sample
+        busy = (acting or _total(here.loaded) > 0.0) and t - last >= per_sample
         if samples > 0 and (busy or struck or t - last >= stride or t == end):
             keep_row(n_history, state, record)
             n_history += 1
@@ -536,7 +500,163 @@ def march(system: System, state: State, rule: Rule, tables: Tables, room: Worksp
         record.totals[STEPS] += 1.0
         if error < LONGER:
             level += 1
-    return ended(record, DONE, end * system.tick, n_history, settle_events(record, n_events, m))
+    return ended(record, DONE, end * system.tick, n_history, settle_events(record, n_events, len(system.interfaces)))
+
+
+@kernel
+def _begin(system: System, state: State, room: Workspace, record: RunRecord) -> float:
+    """Put every interface into its first status and open the ledger; returns the total that it is held against.
+
+    Contacts that close at once, preloaded contacts and links without a release time act; the rest is open, touching or
+    not, and closes when the leading derivative of its indentation says so.
+    """
+    here = room.here
+    here.lost[:], here.loaded[:], here.closed_at[:] = 0.0, 0.0, 0.0
+    rows_now(system, state.z, state.v, here.place, here.rate)
+    for a in range(len(system.interfaces)):
+        place, rate = here.place[a], here.rate[a]
+        state.status[a] = OPEN
+        if system.interfaces[a]["kind"] == LINK:
+            if system.interfaces[a]["release"] <= 0:
+                state.status[a] = CLOSED
+        elif system.interfaces[a]["release"] > 0:
+            state.status[a] = AWAY
+        else:
+            touch(system, state, a, place, rate, 0.0)
+            here.loaded[a] = 1.0 if state.status[a] == CLOSED and system.interfaces[a]["preload"] == 0.0 else 0.0
+        if state.status[a] == CLOSED:
+            state.force[a] = net_force(system, state, a, place, rate)
+    for a in range(len(here.rate)):
+        state.pace[a] = abs(here.rate[a])
+    initial = open_books(system, state, here, record)
+    peaks_at_start(system, state, here.place, here.rate, record)
+    return initial
+
+
+@kernel
+def _strikes_at_start(system: System, state: State, record: RunRecord) -> int:
+    """Book the blows at t = 0, which are the start itself; returns the number of the next one."""
+    blow = 0
+    while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
+        first_strike(system, blow, state, record)
+        blow += 1
+    return blow
+
+
+@kernel
+def _longest_kept(top: int, stride: int) -> int:
+    """Level of the longest step, of which a ledger row is the end, for rows that are about so many ticks apart."""
+    while top > 0 and (1 << top) > 4 * stride:
+        top -= 1
+    return top
+
+
+@kernel
+def _next_kink(system: System, kink: int, t: int) -> int:
+    """Number of the first kink after t."""
+    while kink < len(system.kinks) and system.kinks[kink] <= t:
+        kink += 1
+    return kink
+
+
+@kernel
+def _limit(system: System, kink: int, hint: int, t: int, end: int) -> int:
+    """Where the next step must end: at a kink, or at the place of a change that a trial has shown (hint)."""
+    limit = end
+    if kink < len(system.kinks):
+        limit = min(limit, system.kinks[kink])
+    if hint > t:
+        limit = min(limit, hint)
+    return limit
+
+
+@kernel
+def _begin_trial(room: Workspace) -> None:
+    """A trial step begins where the rows are."""
+    for a in range(len(room.here.place)):
+        room.trial.place[a, 0], room.trial.rate[a, 0] = room.here.place[a], room.here.rate[a]
+
+
+@kernel
+def _levels_down(error: float) -> int:
+    """How much shorter a step must be whose error is too large: it falls with a high power of the length."""
+    return 1 if error < 300.0 else (2 if error < 1e6 else 4)
+
+
+@kernel
+def _note_step(
+    t: float, h: float, system: System, state: State, rule: Rule, room: Workspace, record: RunRecord
+) -> None:
+    """What a step that is taken leaves in the record, before the state moves: peaks, moments, events that count, and
+    what it dissipated."""
+    peaks(t, h, system, state, rule, room.trial, record)
+    travels(h, system, state, rule, room.trial, record)
+    if record.moments.shape[1] > 0:
+        gather(t, h, rule, room.trial, record)
+    _confirm_step(system, state, room.trial, room.bounds, record)
+    integrate_losses(h, system, state, rule, room.trial, room.here.lost)
+
+
+@kernel
+def _arrive(before: int, t: int, system: System, state: State, room: Workspace, record: RunRecord) -> None:
+    """Rows as they are at the end of a step, and the largest speed that each of them had."""
+    if before < record.late_at[0] <= t:
+        copy_to(record.late, state.v)
+    rows_now(system, state.z, state.v, room.here.place, room.here.rate)
+    for a in range(len(system.rows)):
+        for p in range(PLACES):
+            state.pace[a] = max(state.pace[a], abs(room.trial.rate[a, p]))
+
+
+@kernel
+def _switch_contacts(moment: float, system: System, state: State, room: Workspace) -> None:
+    """Status of every contact at the end of a step in which one of them changes; moment : when."""
+    here, trial, bounds = room.here, room.trial, room.bounds
+    for a in range(len(here.place)):
+        trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = here.place[a], here.rate[a]
+    for a in range(len(system.interfaces)):
+        if system.interfaces[a]["kind"] != LINK:
+            before = here.loaded[a]
+            state.status[a] = switch(system, state, trial, bounds, a)
+            here.loaded[a] = _is_loaded(system, state, a, here, least_excess(system, bounds, a))
+            here.closed_at[a] = moment if here.loaded[a] > before else here.closed_at[a]
+
+
+@kernel
+def _strike_bodies(
+    now: float, t: int, blow: int, system: System, state: State, here: Standing, record: RunRecord
+) -> int:
+    """Let all bodies strike whose blow is due; returns the number of the next one."""
+    while blow < len(system.strikes) and system.strikes[blow]["tick"] <= t:
+        strike(now, t, blow, system, state, here, record)
+        blow += 1
+    return blow
+
+
+@kernel
+def _log_lifted(t: int, system: System, state: State, row: Floats, n_events: int, record: RunRecord) -> int:
+    """Log that contacts open whose body was lifted off just now; returns the number of events, FULL where they are too
+    many. row : of the ledger, before the blow."""
+    for a in range(len(system.interfaces)):
+        if record.closed[a] > 0.0 and record.latest[a] >= 0 and system.strikes[record.latest[a]]["tick"] == t:
+            if n_events == len(record.events):
+                return FULL
+            log_event(record, n_events, a, OPENS, LIFTED, row)
+            part_energies(system, state, record.event_rows[n_events])
+            n_events += 1
+            record.closed[a] = 0.0
+    return n_events
+
+
+@kernel
+def _act(t: int, system: System, state: State, here: Standing) -> None:
+    """Release links whose time has come, and note the force of every interface that acts."""
+    for a in range(len(system.interfaces)):
+        link = system.interfaces[a]["kind"] == LINK
+        if link and state.status[a] == OPEN and system.interfaces[a]["release"] <= t:
+            state.status[a], state.rest[a] = CLOSED, here.place[a]
+        acts = state.status[a] == CLOSED
+        state.force[a] = net_force(system, state, a, here.place[a], here.rate[a]) if acts else 0.0
 
 
 @kernel
@@ -567,35 +687,16 @@ def _longest(t: int, room: int, top: int) -> int:
 
 
 @kernel
-def _start(system: System, state: State, place: Floats, rate: Floats, loaded: Floats) -> None:
-    """Contacts that close at once, preloaded contacts, links without a release time; the rest is open, touching or
-    not, and closes when the leading derivative of its indentation says so."""
-    for a in range(len(system.interfaces)):
-        state.status[a] = OPEN
-        if system.interfaces[a]["kind"] == LINK:
-            if system.interfaces[a]["release"] <= 0:
-                state.status[a] = CLOSED
-        elif system.interfaces[a]["release"] > 0:
-            state.status[a] = AWAY
-        else:
-            touch(system, state, a, place[a], rate[a], 0.0)
-            loaded[a] = 1.0 if state.status[a] == CLOSED and system.interfaces[a]["preload"] == 0.0 else 0.0
-        if state.status[a] == CLOSED:
-            state.force[a] = net_force(system, state, a, place[a], rate[a])
-    for a in range(len(rate)):
-        state.pace[a] = abs(rate[a])
-
-
-@kernel
-def _is_loaded(system: System, state: State, a: int, place: float, rate: float, least: float, before: float) -> float:
-    """Whether a contact counts as closed: it has a force, or one above its preload."""
+def _is_loaded(system: System, state: State, a: int, here: Standing, least: float) -> float:
+    """Whether a contact counts as closed: it has a force, or one above its preload; as before where that differs by
+    less than can be known."""
     if state.status[a] != CLOSED:
         return 0.0
     if system.interfaces[a]["preload"] == 0.0:
         return 1.0
-    excess = net_force(system, state, a, place, rate)
+    excess = net_force(system, state, a, here.place[a], here.rate[a])
     if abs(excess) <= least:
-        return before
+        return float(here.loaded[a])
     return 1.0 if excess > 0.0 else 0.0
 
 
@@ -606,8 +707,12 @@ def _confirm_step(system: System, state: State, trial: StepTrial, bounds: Floats
         if system.interfaces[a]["kind"] == LINK:
             continue
         offset = system.interfaces[a]["offset"]
-        record.size[a, 0] = max(record.size[a, 0], bounds[a, 2] / DISPLACEMENT_ROUNDING + abs(offset))
-        record.size[a, 1] = max(record.size[a, 1], bounds[a, 3] / DISPLACEMENT_ROUNDING)
+        still, moving = (
+            bounds[a, PLACE_ROUNDING] / DISPLACEMENT_ROUNDING,
+            bounds[a, RATE_ROUNDING] / DISPLACEMENT_ROUNDING,
+        )
+        record.size[a, OF_PLACE] = max(record.size[a, OF_PLACE], still + abs(offset))
+        record.size[a, OF_SPEED] = max(record.size[a, OF_SPEED], moving)
         if record.newest[a] >= 0:
             for p in range(PLACES):
                 if confirm(system, state, a, trial.place[a, p] + offset, trial.rate[a, p], record):
@@ -629,7 +734,6 @@ STEPS_BETWEEN_CHECKS = (
 )
 WORK_BETWEEN_CHECKS = 5e7  # and their number times SELF + n: about 4 s where the modes are not thousands
 SELF = 30  # what a step costs beside its coordinates, 2.1 us against 0.07 us for each of them
-LEDGER_ROWS = 2048  # at most, while nothing acts
 
 
 class Ended(NamedTuple):
@@ -674,19 +778,8 @@ def collocate(
         end = compiled.n_samples << compiled.halvings
         longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger
         top_level = max(min(top_level, longest.bit_length() - 1) - finer, 0)
-    how = march(
-        system,
-        state,
-        collocation_rule(),
-        tables,
-        march_room(system),
-        record,
-        compiled.halvings,
-        top_level,
-        tolerance * ERROR_BUDGET,
-        MAX_STEPS,
-        paced(system),
-    )
+    steps = CollocationSteps(compiled.halvings, top_level, tolerance * ERROR_BUDGET, MAX_STEPS, paced(system))
+    how = march(system, state, tables, march_room(system), record, steps)
     return Ended.of(how, record)
 
 

@@ -13,6 +13,7 @@ from femstruct.impact.energies import (
     BODIES,
     BROUGHT,
     GIVEN,
+    INTEGRATED,
     STRUCTURE,
     TIME,
     WORK,
@@ -53,7 +54,10 @@ from femstruct.modal.coupled_damping import energies_of_states
 
 MOST_EVENTS = 500_000
 STEPS, TRIALS, DRIFT, WORKED = 0, 1, 2, 3  # columns of Record.totals
-WHEN, ROWS, EVENTS = 0, 1, 2  # and of Record.ended
+WHEN, ROWS, EVENTS = 0, 1, 2  # of Record.ended
+PEAK, PEAK_AT = 0, 1  # of Record.peak: how large, and when
+OF_PLACE, OF_SPEED = 0, 1  # of Record.size
+WHOSE, WHAT, ALL_OPEN, COUNTS = 0, 1, 2, 3  # of Record.events
 
 
 class RunRecord(NamedTuple):
@@ -176,13 +180,11 @@ def keep(index: int, doublings: int, state: State, trial: StepTrial, record: Run
         record.kept[1] += 1
 
 
-def motion_of(
-    record: RunRecord, system: System, halvings: int, rule: Rule, tables: Tables, turn: Floats | None = None
-) -> Motion:
+def motion_of(record: RunRecord, system: System, halvings: int, tables: Tables, turn: Floats | None = None) -> Motion:
     """The motion that a record holds; turn : of coupled modes, as the motion has it."""
     states, longs = int(record.kept[0]), int(record.kept[1])
     doublings, pushed = record.doublings[:states].copy(), record.pushed[:longs].copy()
-    free, forced = inner_tables(system, halvings, rule, tables, doublings[doublings > 0], pushed)
+    free, forced = inner_tables(system, halvings, tables, doublings[doublings > 0], pushed)
     return Motion(
         at=record.at[:states].copy(),
         doublings=doublings,
@@ -206,6 +208,26 @@ def ended(record: RunRecord, how: int, when: float, rows: int, events: int) -> i
     """Note how a march ended."""
     record.ended[WHEN], record.ended[ROWS], record.ended[EVENTS] = when, rows, events
     return how
+
+
+class Standing(NamedTuple):
+    """How rows and contacts stand now. place, rate [r] : of the rows. loaded, closed_at [m] : whether a contact counts
+    as closed, and since when. lost [m + INTEGRATED] : dissipated by interfaces, by modes; work; brought by blows; given
+    to coupled modes."""
+
+    place: Vector
+    rate: Vector
+    loaded: Vector
+    closed_at: Vector
+    lost: Vector
+
+
+def standing_room(system: System) -> Standing:
+    """Room for it."""
+    m, r = len(system.interfaces), len(system.rows)
+    return Standing(
+        place=np.zeros(r), rate=np.zeros(r), loaded=np.zeros(m), closed_at=np.zeros(m), lost=np.zeros(m + INTEGRATED)
+    )
 
 
 class Felt(NamedTuple):
@@ -243,7 +265,7 @@ def feel(system: System, state: State, halvings: int, record: RunRecord, out: Fe
 def peaks_at_start(system: System, state: State, place: Floats, rate: Floats, record: RunRecord) -> None:
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] != LINK and state.status[a] == CLOSED:
-            record.peak[a, 0] = max(0.0, law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0])
+            record.peak[a, PEAK] = max(0.0, law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0])
 
 
 @kernel
@@ -263,15 +285,15 @@ def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: S
             start += rule.at_start[p] * trial.forces[a, p]
             end += rule.at_end[p] * trial.forces[a, p]
         largest = max(largest, start, end) + system.interfaces[a]["preload"]
-        if largest < 0.9 * record.peak[a, 0]:
+        if largest < 0.9 * record.peak[a, PEAK]:
             continue
         rising, falling = 0.0, 0.0  # slopes at the end and at the start
         for p in range(STAGES):
             rising -= rule.slopes[1, STAGES - 1 - p] * trial.forces[a, p]
             falling += rule.slopes[1, p] * trial.forces[a, p]
         if (at == STAGES - 1 and rising >= 0.0) or (at == 0 and falling <= 0.0):
-            if largest > record.peak[a, 0]:
-                record.peak[a, 0], record.peak[a, 1] = largest, t + h if at else t
+            if largest > record.peak[a, PEAK]:
+                record.peak[a, PEAK], record.peak[a, PEAK_AT] = largest, t + h if at else t
             continue
         low, high = rule.places[at], rule.places[at + 2]
         golden = 0.6180339887498949
@@ -288,8 +310,8 @@ def peaks(t: float, h: float, system: System, state: State, rule: Rule, trial: S
             (start + system.interfaces[a]["preload"], 0.0),
             (end + system.interfaces[a]["preload"], 1.0),
         ):
-            if value > record.peak[a, 0]:
-                record.peak[a, 0], record.peak[a, 1] = value, t + where * h
+            if value > record.peak[a, PEAK]:
+                record.peak[a, PEAK], record.peak[a, PEAK_AT] = value, t + where * h
 
 
 @kernel
@@ -373,21 +395,20 @@ def first_strike(system: System, number: int, state: State, record: RunRecord) -
 
 
 @kernel
-def strike(now: float, t: int, number: int, system: System, state: State, place: Floats, rate: Floats, loaded: Floats,
-           closed_at: Floats, lost: Floats, record: RunRecord) -> None:  # fmt: skip
+def strike(now: float, t: int, number: int, system: System, state: State, here: Standing, record: RunRecord) -> None:
     """Lift a body off and let it strike again; place and rate of all rows are renewed.
 
     Peaks since the last blow go to the record of that blow, and begin again.
     """
     m, i = len(system.interfaces), system.strikes[number]["coordinate"]
-    mine = record.strikes[number]
+    mine, place, rate, loaded = record.strikes[number], here.place, here.rate, here.loaded
     mine[ENERGY] = -0.5 * state.v[i] ** 2
     for a in range(m):
         if system.rows[a, i] != 0.0:
             mine[ENERGY] -= stored(system, state, a, place[a])
             if loaded[a] > 0.0:
                 mine[HELD] = max(mine[HELD], net_force(system, state, a, place[a], rate[a]))
-                mine[SINCE] = closed_at[a]
+                mine[SINCE] = here.closed_at[a]
             copy_to(record.strike_peak[record.latest[a], a], record.peak[a])
             record.peak[a] = 0.0
             record.latest[a] = number
@@ -409,10 +430,10 @@ def strike(now: float, t: int, number: int, system: System, state: State, place:
             mine[ENERGY] += stored(system, state, a, place[a])
             loaded[a] = 1.0 if state.status[a] == CLOSED else 0.0
             if loaded[a] > 0.0:
-                closed_at[a] = now
+                here.closed_at[a] = now
                 force = law(system, a, place[a] + system.interfaces[a]["offset"], rate[a])[0]
-                record.peak[a, 0], record.peak[a, 1] = force, now
-    lost[m + BROUGHT] += mine[ENERGY]
+                record.peak[a, PEAK], record.peak[a, PEAK_AT] = force, now
+    here.lost[m + BROUGHT] += mine[ENERGY]
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -431,8 +452,8 @@ RESOLVED = 1e-12  # of the terms a displacement is summed from: 1e-16 of them a 
 @kernel
 def log_event(record: RunRecord, count: int, a: int, what: int, counts: int, row: Floats) -> None:
     """Add an event with its ledger row to the log; counts : DOUBTFUL until the contact is seen far enough."""
-    record.events[count, 0], record.events[count, 1] = a, what
-    record.events[count, 2], record.events[count, 3] = 0, counts
+    record.events[count, WHOSE], record.events[count, WHAT] = a, what
+    record.events[count, ALL_OPEN], record.events[count, COUNTS] = 0, counts
     record.newest[a] = count if counts == DOUBTFUL else -1
     for i in range(len(row)):
         record.event_rows[count, i] = row[i]
@@ -445,17 +466,17 @@ def confirm(system: System, state: State, a: int, depth: float, speed: float, re
     A dashpot that would pull opens its contact while it is indented: then its force must be below zero by more.
     """
     e = record.newest[a]
-    floor = RESOLVED * record.size[a, 0]
-    if record.events[e, 1] == CLOSES:
+    floor = RESOLVED * record.size[a, OF_PLACE]
+    if record.events[e, WHAT] == CLOSES:
         certain = state.status[a] == CLOSED and depth > floor
     else:
         certain = state.status[a] != CLOSED and depth < -floor
         if state.status[a] == CLAMPED:
             constant, by_depth, by_speed = sense(system, a)
             pull = constant + by_depth * depth + by_speed * speed
-            certain = certain or pull < -by_depth * floor - by_speed * RESOLVED * record.size[a, 1]
+            certain = certain or pull < -by_depth * floor - by_speed * RESOLVED * record.size[a, OF_SPEED]
     if certain:
-        record.events[e, 3] = CERTAIN
+        record.events[e, COUNTS] = CERTAIN
         record.newest[a] = -1
     return bool(certain)
 
@@ -470,7 +491,7 @@ def settle_events(record: RunRecord, count: int, interfaces: int) -> int:
     for a in range(interfaces):
         closed[a], record.shortest[a], record.newest[a] = 0.0, np.inf, -1
     for e in range(count):
-        a, what, counts = record.events[e, 0], record.events[e, 1], record.events[e, 3]
+        a, what, counts = record.events[e, WHOSE], record.events[e, WHAT], record.events[e, COUNTS]
         if counts == DOUBTFUL or (what == CLOSES) == (closed[a] > 0.0):
             continue
         if what == CLOSES:
@@ -483,8 +504,8 @@ def settle_events(record: RunRecord, count: int, interfaces: int) -> int:
             if counts != LIFTED:
                 since = record.event_rows[record.newest[a], TIME]
                 record.shortest[a] = min(record.shortest[a], record.event_rows[e, TIME] - since)
-        record.events[kept, 0], record.events[kept, 1], record.events[kept, 3] = a, what, counts
-        record.events[kept, 2] = 1 if touching == 0 else 0
+        record.events[kept, WHOSE], record.events[kept, WHAT], record.events[kept, COUNTS] = a, what, counts
+        record.events[kept, ALL_OPEN] = 1 if touching == 0 else 0
         if kept != e:
             copy_to(record.event_rows[kept], record.event_rows[e])
         kept += 1
@@ -507,13 +528,13 @@ FULL = -1  # in place of a number of events: the log has no room
 
 
 @kernel
-def open_books(system: System, state: State, place: Floats, lost: Floats, record: RunRecord) -> float:
+def open_books(system: System, state: State, here: Standing, record: RunRecord) -> float:
     """The first ledger row, and no event so far; returns the total that the others are held against."""
     record.closed[:], record.newest[:], record.size[:] = 0.0, -1, 0.0
     if len(system.turn):
-        lost[len(system.interfaces) + GIVEN] = modal_energies(system, state)[1]
+        here.lost[len(system.interfaces) + GIVEN] = modal_energies(system, state)[1]
         keep_row(0, state, record)
-    return take_stock(0.0, system, state, place, lost, record.history[0])
+    return take_stock(0.0, system, state, here.place, here.lost, record.history[0])
 
 
 @kernel
@@ -534,10 +555,12 @@ def goes_on(record: RunRecord, max_steps: int) -> int:
 
 
 @kernel
-def balance_books(t: float, initial: float, system: System, state: State, place: Floats, lost: Floats, row: Floats,
-                  record: RunRecord) -> bool:  # fmt: skip
+def balance_books(
+    t: float, initial: float, system: System, state: State, here: Standing, row: Floats, record: RunRecord
+) -> bool:
     """Fill a ledger row, and hold its total against the first one; whether it is a number."""
-    m, total = len(system.interfaces), take_stock(t, system, state, place, lost, row)
+    m, lost = len(system.interfaces), here.lost
+    total = take_stock(t, system, state, here.place, lost, row)
     if not np.isfinite(total):
         return False
     record.totals[DRIFT] = max(record.totals[DRIFT], abs(total - initial))

@@ -16,10 +16,15 @@ from femstruct.impact.contact_events import (
     DONE,
     FULL,
     NO_FORCES,
+    OF_PLACE,
+    OF_SPEED,
+    PEAK,
+    PEAK_AT,
     STEPS,
     STICKS,
     TOO_MANY_EVENTS,
     RunRecord,
+    Standing,
     balance_books,
     confirm,
     ended,
@@ -28,8 +33,9 @@ from femstruct.impact.contact_events import (
     log_changes,
     open_books,
     settle_events,
+    standing_room,
 )
-from femstruct.impact.energies import GIVEN, INTEGRATED, MODES, WORK
+from femstruct.impact.energies import GIVEN, MODES, WORK
 from femstruct.impact.propagation import (
     CLAMPED,
     CLOSED,
@@ -107,13 +113,12 @@ class ExactRoom(NamedTuple):
     place of coupled modes [1/s], else empty. place, rate, force [r, ORDER + 1]
     : of the rows' displacements, velocities [1/s] and forces as they act. spring, dash, held [m] : force of an
     interface in the present regime = spring place + dash rate + held. way [m] : sign of a link's speed. fresh [m, 3] :
-    whether a contact's indentation, its force, a link's speed is zero by an event at this very instant. loaded [m] :
-    whether a contact has a force. lost [m + INTEGRATED] : dissipated by interfaces, by modes; work; nothing
-    by blows; given to coupled modes.
-    here [r, 2] : displacement and velocity. watched [ORDER + 1] : a polynomial. boxes [DEPTH, ORDER + 1],
-    spans [DEPTH, 2] : its Bernstein coefficients on parts of the step. terms [m, 3] : sizes of what the interfaces'
-    displacements and velocities are summed from, and the roots of their mobilities. q, v [n] : coordinates and rates
-    somewhere in the step.
+    whether a contact's indentation, its force, a link's speed is zero by an event at this very instant. here : between
+    two steps; since when contacts are closed is not kept. watched [ORDER + 1] : a polynomial. boxes [DEPTH, ORDER + 1],
+    spans [DEPTH, 2] : its Bernstein coefficients on parts of the step. terms [m, 7] : sizes of what the interfaces'
+    displacements and velocities are summed from, STILL and MOVING, the ROOT of their mobilities, and rounding: of both
+    at the start, NOISE and NOISE_RATE, and of their other coefficients, SMALL and SMALL_RATE. q, v [n] : coordinates
+    and rates somewhere in the step.
     """
 
     z: Matrix
@@ -126,9 +131,7 @@ class ExactRoom(NamedTuple):
     held: Vector
     way: Counts
     fresh: CountTable
-    loaded: Vector
-    lost: Vector
-    here: Matrix
+    here: Standing
     watched: Vector
     boxes: Matrix
     spans: Matrix
@@ -151,13 +154,11 @@ def exact_room(system: System) -> ExactRoom:
         held=np.zeros(m),
         way=np.zeros(m, dtype=np.int64),
         fresh=np.zeros((m, 3), dtype=np.int64),
-        loaded=np.zeros(m),
-        lost=np.zeros(m + INTEGRATED),
-        here=np.zeros((r, 2)),
+        here=standing_room(system),
         watched=np.zeros(size),
         boxes=np.zeros((DEPTH, size)),
         spans=np.zeros((DEPTH, 2)),
-        terms=np.zeros((m, 3)),
+        terms=np.zeros((m, 7)),
         q=np.zeros(n),
         v=np.zeros(n),
     )
@@ -505,6 +506,7 @@ def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
 
 INDENTATION, FORCE, SPEED, EXCESS = 0, 1, 2, 3  # what crossed zero; the first three are columns of fresh
 DISPLACEMENT_ROUNDING = 4e-15  # of a row's displacement, relative to the terms it is summed from
+STILL, MOVING, ROOT, NOISE, NOISE_RATE, SMALL, SMALL_RATE = 0, 1, 2, 3, 4, 5, 6  # columns of terms
 AT_ONCE = 1e-20  # of a step: less than a place in it, or the time, can tell from its start
 
 
@@ -547,73 +549,96 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
 
 
 @kernel
-def watch(system: System, state: State, order: int, h: float, before: float, stiff: float, rule: ExactRule,
-          room: ExactRoom) -> tuple[float, int, int]:  # fmt: skip
-    """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
+def weigh_rounding(system: System, state: State, h: float, before: float, stiff: float, room: ExactRoom) -> None:
+    """What rounding leaves unknown of the interfaces in a step of length h, into room.terms.
 
-    before [s] : length of the last step, whose end is known to the rounding of its own series only. stiff [1/s] : of
-    both, the stiffness over unit mass divided by the bound of the rates, w^2 / x. In a step, THETA / x at most, springs
-    turn rounding of a displacement into THETA stiff times as much of a speed; dashpots give a speed THETA times its own
-    at most, however fast they are. Of several changes at one place the one with the lowest leading order comes
-    first: the others depend on it.
+    before [s] : the longer of this step and the last one, whose end is known to the rounding of its own series only.
+    stiff [1/s] : of both, the stiffness over unit mass divided by the bound of the rates, w^2 / x. In a step, THETA / x
+    at most, springs turn rounding of a displacement into THETA stiff times as much of a speed; dashpots give a speed
+    THETA times its own at most, however fast they are.
     """
-    where, rank, who, what = NEVER, order + 2, -1, -1
-    c, boxes, spans = room.watched, room.boxes, room.spans
     shake = 0.0  # acceleration by the rounding of what springs and dashpots see: no contact closes or opens for it
     for a in range(len(system.interfaces)):
         still, moving = terms_of(system, a, state.z, state.v), terms_of_rate(system, a, state.z, state.v)
-        room.terms[a, 0], room.terms[a, 1], room.terms[a, 2] = still, moving, np.sqrt(system.mobility[a])
-        held = room.spring[a] * (still + max(h, before) * moving + abs(system.interfaces[a]["offset"]))
+        room.terms[a, STILL], room.terms[a, MOVING], room.terms[a, ROOT] = still, moving, np.sqrt(system.mobility[a])
+        held = room.spring[a] * (still + before * moving + abs(system.interfaces[a]["offset"]))
         lost = room.dash[a] * (moving + 2.0 * stiff * still)
-        shake += DISPLACEMENT_ROUNDING * room.terms[a, 2] * (held + lost)
+        shake += DISPLACEMENT_ROUNDING * room.terms[a, ROOT] * (held + lost)
     for a in range(len(system.interfaces)):
-        law, status, place, rate = system.interfaces[a], state.status[a], room.place[a], room.rate[a]
-        link = law["kind"] == LINK
-        if link and (status != CLOSED or law["closing"] == law["opening"]):
-            continue
-        clamps = not link and law["tensile"] == 0 and law["closing"] > 0.0
-        still, moving = room.terms[a, 0], room.terms[a, 1]
-        noise = DISPLACEMENT_ROUNDING * (still + max(h, before) * moving + abs(law["offset"]))
+        still, moving = room.terms[a, STILL], room.terms[a, MOVING]
+        noise = DISPLACEMENT_ROUNDING * (still + before * moving + abs(system.interfaces[a]["offset"]))
         noise_rate = DISPLACEMENT_ROUNDING * (moving + 2.0 * stiff * still)
-        shaken = h * h * room.terms[a, 2] * shake
-        small = DISPLACEMENT_ROUNDING * (4.0 * still + h * moving) + shaken
-        small_rate = 2.0 * (stiff * noise + noise_rate)
+        shaken = h * h * room.terms[a, ROOT] * shake
+        room.terms[a, NOISE], room.terms[a, NOISE_RATE] = noise, noise_rate
+        room.terms[a, SMALL] = DISPLACEMENT_ROUNDING * (4.0 * still + h * moving) + shaken
+        room.terms[a, SMALL_RATE] = h * (2.0 * (stiff * noise + noise_rate)) + shaken
+
+
+@kernel
+def watch(
+    system: System, state: State, order: int, h: float, rule: ExactRule, room: ExactRoom
+) -> tuple[float, int, int]:
+    """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
+
+    Of several changes at one place the one with the lowest leading order comes first: the others depend on it.
+    """
+    where, rank, who, what = NEVER, order + 2, -1, -1
+    for a in range(len(system.interfaces)):
         for kind in range(4):
-            doubt, lesser = noise, small
-            if kind == SPEED:
-                if not link:
-                    continue
-                side = -1.0 if room.way[a] < 0 else 1.0
-                by_place, by_rate, constant = 0.0, side * h, 0.0
-                doubt, lesser = h * noise_rate, h * small_rate + shaken
-            elif link:
+            if not _decides(system, state, a, kind):
                 continue
-            elif kind == INDENTATION:
-                if status == CLOSED and clamps:
-                    continue
-                side = -1.0 if status == OPEN else 1.0
-                by_place, by_rate, constant = side, 0.0, side * law["offset"]
-            else:
-                if (kind == FORCE and (status == OPEN or not clamps)) or (
-                    kind == EXCESS and (status != CLOSED or law["preload"] == 0.0)
-                ):
-                    continue
-                side = 1.0 if (status == CLOSED if kind == FORCE else room.loaded[a] > 0.0) else -1.0
-                by_place, by_rate = side * law["stiffness"], side * law["closing"]
-                doubt = law["stiffness"] * noise + law["closing"] * noise_rate
-                if kind == FORCE:
-                    constant = by_place * law["offset"]
-                    lesser = (law["stiffness"] + law["closing"] / h) * small
-                else:
-                    constant, doubt, lesser = max(PRELOAD * law["preload"], doubt), 0.0, 0.0
-            for k in range(order + 1):
-                c[k] = by_place * place[k] + by_rate * rate[k]
-            c[0] += constant
+            doubt, lesser = _condition(system, state, room, a, kind, order, h)
             fresh = 0 if kind == EXCESS else room.fresh[a, kind]
-            at, order_here = judge(c, order, doubt, lesser, fresh, rule, boxes, spans)
+            at, order_here = judge(
+                room.watched, order, doubt, lesser, fresh, rule=rule, boxes=room.boxes, spans=room.spans
+            )
             if at < where or (at == where and at < NEVER and order_here < rank):
                 where, rank, who, what = at, order_here, a, kind
     return where, who, what
+
+
+@kernel
+def _decides(system: System, state: State, a: int, kind: int) -> bool:
+    """Whether an interface, as it is, changes when this condition does."""
+    law, status = system.interfaces[a], state.status[a]
+    if law["kind"] == LINK:  # its dashpot may differ by the sense of its speed
+        return bool(kind == SPEED and status == CLOSED and law["closing"] != law["opening"])
+    clamps = law["tensile"] == 0 and law["closing"] > 0.0
+    if kind == INDENTATION:
+        return bool(status != CLOSED or not clamps)
+    if kind == FORCE:
+        return bool(status != OPEN and clamps)
+    return bool(kind == EXCESS and status == CLOSED and law["preload"] != 0.0)
+
+
+@kernel
+def _condition(
+    system: System, state: State, room: ExactRoom, a: int, kind: int, order: int, h: float
+) -> tuple[float, float]:
+    """The polynomial that must not become negative, into room.watched; returns the rounding of its value and of its
+    other coefficients."""
+    law, c = system.interfaces[a], room.watched
+    doubt, lesser = room.terms[a, NOISE], room.terms[a, SMALL]
+    if kind == SPEED:
+        by_place, by_rate, constant = 0.0, -h if room.way[a] < 0 else h, 0.0
+        doubt, lesser = h * room.terms[a, NOISE_RATE], room.terms[a, SMALL_RATE]
+    elif kind == INDENTATION:
+        by_place, by_rate = -1.0 if state.status[a] == OPEN else 1.0, 0.0
+        constant = by_place * law["offset"]
+    else:
+        pushes = state.status[a] == CLOSED if kind == FORCE else room.here.loaded[a] > 0.0
+        side = 1.0 if pushes else -1.0
+        by_place, by_rate = side * law["stiffness"], side * law["closing"]
+        doubt = law["stiffness"] * room.terms[a, NOISE] + law["closing"] * room.terms[a, NOISE_RATE]
+        if kind == FORCE:
+            constant = by_place * law["offset"]
+            lesser = (law["stiffness"] + law["closing"] / h) * room.terms[a, SMALL]
+        else:
+            constant, doubt, lesser = max(PRELOAD * law["preload"], doubt), 0.0, 0.0
+    for k in range(order + 1):
+        c[k] = by_place * room.place[a, k] + by_rate * room.rate[a, k]
+    c[0] += constant
+    return doubt, lesser
 
 
 @kernel
@@ -625,11 +650,11 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
     if what == SPEED:
         room.way[a] = 1 if room.way[a] < 0 else -1
     elif what == EXCESS:
-        room.loaded[a] = 1.0 - room.loaded[a]
+        room.here.loaded[a] = 1.0 - room.here.loaded[a]
     elif what == INDENTATION:
         state.status[a] = CLOSED if state.status[a] == OPEN else OPEN
     elif state.status[a] == CLOSED:
-        depth = room.here[a, 0] + law["offset"]
+        depth = room.here.place[a] + law["offset"]
         margin = DISPLACEMENT_ROUNDING * (
             terms_of(system, a, state.z, state.v) + before * terms_of_rate(system, a, state.z, state.v) + law["offset"]
         )
@@ -638,9 +663,9 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
         state.status[a] = CLOSED
     if law["kind"] != LINK:
         if state.status[a] != CLOSED:
-            room.loaded[a] = 0.0
+            room.here.loaded[a] = 0.0
         elif law["preload"] == 0.0:
-            room.loaded[a] = 1.0
+            room.here.loaded[a] = 1.0
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -649,11 +674,10 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
 
 
 @kernel
-def integrate_step(system: System, state: State, h: float, order: int, damped: bool, rule: ExactRule,
-                   room: ExactRoom) -> None:  # fmt: skip
+def integrate_step(system: System, state: State, h: float, order: int, rule: ExactRule, room: ExactRoom) -> None:
     """Add what dashpots took and loads gave over a step, by Gauss's rule on the squares of polynomials."""
     m, k_modes = len(system.interfaces), system.n_modes
-    lost, z, v = room.lost, room.z, room.v
+    lost, z, v = room.here.lost, room.z, room.v
     for a in range(m):
         law = system.interfaces[a]
         if state.status[a] == CLOSED and room.dash[a] > 0.0:
@@ -673,7 +697,7 @@ def integrate_step(system: System, state: State, h: float, order: int, damped: b
     if len(system.turn):
         _give(system, h, order, rule, room)
         return
-    if not damped:
+    if system.reach[1] == 0.0:  # no mode has damping
         return
     for g in range(GAUSS):
         for i in range(k_modes):
@@ -703,7 +727,7 @@ def _give(system: System, h: float, order: int, rule: ExactRule, room: ExactRoom
                         for k in range(order, -1, -1):
                             speed = speed * rule.nodes[g] + room.w[k, i]
                         power -= force * system.rows[a, i] * speed
-        room.lost[m + GIVEN] += h * rule.weights[g] * power
+        room.here.lost[m + GIVEN] += h * rule.weights[g] * power
 
 
 @kernel
@@ -718,11 +742,11 @@ def peaks_of_step(system: System, state: State, t: float, h: float, order: int, 
         if where >= 0.0:
             record.deepest[a] = depth + offset
         if room.dash[a] > 0.0:
-            force, where = largest(room.force[a], record.peak[a, 0] - preload, order, rule, room.watched)
+            force, where = largest(room.force[a], record.peak[a, PEAK] - preload, order, rule, room.watched)
         else:  # the spring's force is largest where it is deepest
             force = room.spring[a] * depth + room.held[a]
         if where >= 0.0:
-            record.peak[a, 0], record.peak[a, 1] = force + preload, t + where * h
+            record.peak[a, PEAK], record.peak[a, PEAK_AT] = force + preload, t + where * h
 
 
 @kernel
@@ -772,110 +796,171 @@ def largest(c: Floats, known: float, order: int, rule: ExactRule, slope: Floats)
 # ----------------------------------------------------------------------------------------------------------------------
 
 
+class ExactSteps(NamedTuple):
+    """How a march chooses its steps. end [s]; interval [s] : of the samples, and the longest step while a load acts;
+    longest [s] : the longest step, and how far apart ledger rows may be otherwise; max_steps : tried at most."""
+
+    end: float
+    interval: float
+    longest: float
+    max_steps: int
+
+
 @unit(seconds=11.0)
-def exact_march(system: System, state: State, rule: ExactRule, room: ExactRoom, record: RunRecord, end: float,
-                interval: float, longest: float, max_steps: int) -> int:  # fmt: skip
+def exact_march(
+    system: System, state: State, rule: ExactRule, room: ExactRoom, record: RunRecord, steps: ExactSteps
+) -> int:
     """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
-    end [s]; interval [s] : of the samples, and the longest step while a load acts; longest [s] : the longest step, and
-    how far apart ledger rows may be otherwise. A record without samples keeps the first and the last ledger row only.
+    A record without samples keeps the first and the last ledger row only.
     """
-    history, m, samples = record.history, len(system.interfaces), len(record.at)
-    damped = False
-    for i in range(system.n_modes):
-        damped = damped or system.damping[i] > 0.0
+    history, samples, here, end = record.history, len(record.at), room.here, steps.end
     _begin(system, state, room)
-    initial = open_books(system, state, room.here[:, 0], room.lost, record)
+    initial = open_books(system, state, here, record)
     kept, n_events, kink, at_once = 1, 0, 0, 0
     late = record.late_at[0] * system.tick if record.late_at[0] >= 0 else np.inf
     t, last, before, earlier = 0.0, 0.0, 0.0, 0.0
     while t < end:
-        how = goes_on(record, max_steps)
+        how = goes_on(record, steps.max_steps)
         if how != DONE:
             return ended(record, how, t, kept, n_events)
         settle(system, state, room)
+        kink = _next_kink(system, kink, t)
+        limit = min(end, system.kinks[kink] * system.tick) if kink < len(system.kinks) else end
+        acting, fastest_load = _acting(system, t + 0.5 * min(limit - t, steps.interval))
         bound, stiffness = fastest(system, room)
-        while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
-            kink += 1
-        limit = end
-        if kink < len(system.kinks):
-            limit = min(limit, system.kinks[kink] * system.tick)
-        h, acting = limit - t, False
-        for i in range(len(system.loads)):
-            if system.loads[i]["kind"] != CONSTANT and load_at(system, i, t + 0.5 * min(h, interval)) != 0.0:
-                acting = True
-                if system.loads[i]["kind"] == HALF_SINE:
-                    bound = max(bound, 2.0 * np.pi * system.loads[i]["frequency"])
+        bound = max(bound, fastest_load)
         stiff = stiffness / bound if bound > 0.0 else 0.0
-        room_left, cap = h, min(longest, interval if acting else np.inf)
-        if bound * cap > THETA:
-            cap = THETA / bound
-        if h > cap:
-            h = cap if h > 2.0 * cap else 0.5 * h
-        order = 4
-        while order < ORDER and rule.reach[order] < bound * h:
-            order += 1
-        first, where, who, what = before == 0.0 or at_once > 0, NEVER, -1, -1
-        while True:  # what switches at this very instant shows in the first terms: most need no more of them
-            terms = SHORT if first else order
-            load_series(system, room, t, h, terms)
-            expand(system, state, rule, room, h, terms)
-            where, who, what = watch(system, state, terms, h, max(before, h), max(earlier, stiff), rule, room)
-            if not first or where == 0.0:
-                break
-            first = False
+        h = _length(limit - t, bound, min(steps.longest, steps.interval if acting else np.inf))
+        order = _order(rule, bound * h)
+        weigh_rounding(system, state, h, max(before, h), max(earlier, stiff), room)
+        fresh = before == 0.0 or at_once > 0
+        where, who, what = _first_change(system, state, rule, room, order, t=t, h=h, fresh=fresh)
         part = min(where, 1.0)
-        now = t + part * h
-        if where == NEVER and h == room_left:
-            now = limit
+        now = limit if where == NEVER and h == limit - t else t + part * h
         if now > t or part > 0.0:
-            while record.kept[0] < samples and record.kept[0] * interval < now:
-                s = record.kept[0]
-                evaluate(room, h, order, (s * interval - t) / h)
-                record.at[s], record.doublings[s] = s, 0
-                copy_to(record.z[s], room.q)
-                copy_to(record.v[s], room.v)
-                for a in range(m):
-                    record.status[s, a] = state.status[a]
-                record.kept[0] += 1
-            if part < 1.0:
-                shorten(room, order, part)
-            integrate_step(system, state, part * h, order, damped, rule, room)
-            peaks_of_step(system, state, t, part * h, order, rule, room, record)
-            travels_of_step(system, order, rule, room, record)
-            _confirm_step(system, state, order, rule, room, record)
-            evaluate(room, part * h, order, 1.0)
-            move_to(state.z, state.v, room.q, room.v)
-            room.fresh[:] = 0
+            _keep_samples(state, room, record, order, t=t, now=now, h=h, interval=steps.interval)
+            _take_step(system, state, rule, room, record, order, t=t, h=h, part=part)
             before, earlier = h, stiff
         at_once = at_once + 1 if now == t else 0
-        if at_once > 100 + 10 * m:
+        if at_once > 100 + 10 * len(system.interfaces):
             return ended(record, STICKS, t, kept, n_events)
-        t = now
-        if t >= late:
+        if t < late <= now:
             copy_to(record.late, state.v)
-            late = np.inf
+        t = now
         _look(system, state, room)
         if where < NEVER:
             switch(system, state, room, who, what, before)
         _release(system, state, room, t)
-        touching, changed = 0.0, False
-        for a in range(m):
-            touching += room.loaded[a]
-            changed = changed or room.loaded[a] != record.closed[a]
+        touching, changed = _touches(here, record)
         told, row = samples or changed or t >= end, history[kept]
-        if told and not balance_books(t, initial, system, state, room.here[:, 0], room.lost, row, record):
+        if told and not balance_books(t, initial, system, state, here, row, record):
             return ended(record, NO_FORCES, t, kept, n_events)
         record.totals[STEPS] += 1.0
-        n_events = log_changes(t, system, state, room.loaded, row, n_events, record)
+        n_events = log_changes(t, system, state, here.loaded, row, n_events, record)
         if n_events == FULL:
             return ended(record, TOO_MANY_EVENTS, t, kept, len(record.events))
-        busy = (acting or touching > 0.0) and t - last >= interval * (1.0 - 1e-9)
-        if t >= end or (samples and (busy or t - last >= 0.5 * longest)):
+        busy = (acting or touching) and t - last >= steps.interval * (1.0 - 1e-9)
+        if t >= end or (samples and (busy or t - last >= 0.5 * steps.longest)):
             keep_row(kept, state, record)
             kept += 1
             last = t
-    return ended(record, DONE, t, kept, settle_events(record, n_events, m))
+    return ended(record, DONE, t, kept, settle_events(record, n_events, len(system.interfaces)))
+
+
+@kernel
+def _next_kink(system: System, kink: int, t: float) -> int:
+    """Number of the first kink after t."""
+    while kink < len(system.kinks) and system.kinks[kink] * system.tick <= t:
+        kink += 1
+    return kink
+
+
+@kernel
+def _acting(system: System, t: float) -> tuple[bool, float]:
+    """Whether a load other than the weight of bodies pushes, and the fastest rate of those that do [1/s]."""
+    acting, rate = False, 0.0
+    for i in range(len(system.loads)):
+        if system.loads[i]["kind"] != CONSTANT and load_at(system, i, t) != 0.0:
+            acting = True
+            if system.loads[i]["kind"] == HALF_SINE:
+                rate = max(rate, 2.0 * np.pi * system.loads[i]["frequency"])
+    return acting, rate
+
+
+@kernel
+def _length(left: float, bound: float, cap: float) -> float:
+    """Length of the next step: all that is left, or half of it, or the longest that the bound of the rates allows."""
+    if bound * cap > THETA:
+        cap = THETA / bound
+    if left <= cap:
+        return left
+    return cap if left > 2.0 * cap else 0.5 * left
+
+
+@kernel
+def _order(rule: ExactRule, turned: float) -> int:
+    """Order of the power series of a step; turned : the bound of the rates times its length."""
+    order = SHORT
+    while order < ORDER and rule.reach[order] < turned:
+        order += 1
+    return order
+
+
+@kernel
+def _first_change(system: System, state: State, rule: ExactRule, room: ExactRoom, order: int, t: float, h: float,
+                  fresh: bool) -> tuple[float, int, int]:  # fmt: skip
+    """The series of a step, and the first change in it. fresh : whether something switched at this very instant, or the
+    run begins: what then switches shows in the first terms, and most need no more of them."""
+    first = fresh
+    while True:
+        terms = SHORT if first else order
+        load_series(system, room, t, h, terms)
+        expand(system, state, rule, room, h, terms)
+        where, who, what = watch(system, state, terms, h, rule, room)
+        if not first or where == 0.0:
+            return where, who, what
+        first = False
+
+
+@kernel
+def _keep_samples(state: State, room: ExactRoom, record: RunRecord, order: int, t: float, now: float, h: float,
+                  interval: float) -> None:  # fmt: skip
+    """Keep the states at all samples from t until now, from the series of the step of length h."""
+    while record.kept[0] < len(record.at) and record.kept[0] * interval < now:
+        s = record.kept[0]
+        evaluate(room, h, order, (s * interval - t) / h)
+        record.at[s], record.doublings[s] = s, 0
+        copy_to(record.z[s], room.q)
+        copy_to(record.v[s], room.v)
+        for a in range(len(state.status)):
+            record.status[s, a] = state.status[a]
+        record.kept[0] += 1
+
+
+@kernel
+def _take_step(system: System, state: State, rule: ExactRule, room: ExactRoom, record: RunRecord, order: int, t: float,
+               h: float, part: float) -> None:  # fmt: skip
+    """Go to the end of a part of the step: what it dissipates, its peaks, events that count, and the state there."""
+    if part < 1.0:
+        shorten(room, order, part)
+    integrate_step(system, state, part * h, order, rule, room)
+    peaks_of_step(system, state, t, part * h, order, rule=rule, room=room, record=record)
+    travels_of_step(system, order, rule, room, record)
+    _confirm_step(system, state, order, rule, room, record)
+    evaluate(room, part * h, order, 1.0)
+    move_to(state.z, state.v, room.q, room.v)
+    room.fresh[:] = 0
+
+
+@kernel
+def _touches(here: Standing, record: RunRecord) -> tuple[bool, bool]:
+    """Whether a contact counts as closed, and whether one counts otherwise than at the last event."""
+    touching, changed = False, False
+    for a in range(len(here.loaded)):
+        touching = touching or here.loaded[a] > 0.0
+        changed = changed or here.loaded[a] != record.closed[a]
+    return touching, changed
 
 
 @kernel
@@ -883,8 +968,8 @@ def _begin(system: System, state: State, room: ExactRoom) -> None:
     """Preloaded contacts and links without a release time act, but for contacts whose dashpot would pull: their clamp
     holds; every other contact is open, touching or not, and closes at once when the leading derivative of its
     indentation says so."""
-    room.lost[:] = 0.0
-    room.loaded[:] = 0.0
+    room.here.lost[:] = 0.0
+    room.here.loaded[:] = 0.0
     room.fresh[:] = 0
     for a in range(len(system.interfaces)):
         state.status[a] = OPEN
@@ -894,7 +979,7 @@ def _begin(system: System, state: State, room: ExactRoom) -> None:
     for a in range(len(system.interfaces)):
         law = system.interfaces[a]
         if state.status[a] == CLOSED and law["tensile"] == 0:
-            force = law["stiffness"] * (room.here[a, 0] + law["offset"]) + law["closing"] * room.here[a, 1]
+            force = law["stiffness"] * (room.here.place[a] + law["offset"]) + law["closing"] * room.here.rate[a]
             if force < 0.0:
                 state.status[a] = CLAMPED
     _release(system, state, room, 0.0)
@@ -912,7 +997,7 @@ def _look(system: System, state: State, room: ExactRoom) -> None:
             turning = system.omega[i] * system.omega[i] * state.z[i] + system.damping[i] * state.v[i]
             place += system.tilts[a, i] * state.v[i]
             rate -= system.tilts[a, i] * turning
-        room.here[a, 0], room.here[a, 1] = place, rate
+        room.here.place[a], room.here.rate[a] = place, rate
 
 
 @kernel
@@ -921,8 +1006,8 @@ def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
     for a in range(len(system.interfaces)):
         law = system.interfaces[a]
         if law["kind"] == LINK and state.status[a] == OPEN and law["release"] * system.tick <= t:
-            state.status[a], state.rest[a] = CLOSED, room.here[a, 0]
-            room.way[a] = -1 if room.here[a, 1] < 0.0 else 1
+            state.status[a], state.rest[a] = CLOSED, room.here.place[a]
+            room.way[a] = -1 if room.here.rate[a] < 0.0 else 1
 
 
 @kernel
@@ -935,12 +1020,12 @@ def _confirm_step(
         if system.interfaces[a]["kind"] == LINK:
             continue
         offset = system.interfaces[a]["offset"]
-        record.size[a, 0] = max(record.size[a, 0], room.terms[a, 0] + abs(offset))
-        record.size[a, 1] = max(record.size[a, 1], room.terms[a, 1])
+        record.size[a, OF_PLACE] = max(record.size[a, OF_PLACE], room.terms[a, STILL] + abs(offset))
+        record.size[a, OF_SPEED] = max(record.size[a, OF_SPEED], room.terms[a, MOVING])
         if record.newest[a] >= 0:
             for p in range(1, PROBES + 1):
                 place = value_of(room.place[a], order, rule.at_probes[p])
-                record.size[a, 0] = max(record.size[a, 0], abs(place))  # these steps are long
+                record.size[a, OF_PLACE] = max(record.size[a, OF_PLACE], abs(place))  # these steps are long
                 speed = value_of(room.rate[a], order, rule.at_probes[p])
                 if confirm(system, state, a, place + offset, speed, record):
                     break

@@ -12,7 +12,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.compiled.records import System
-from femstruct.impact.propagation import LONGEST_DOUBLINGS, STAGES, Rule, Tables, flows
+from femstruct.impact.propagation import LONGEST_DOUBLINGS, STAGES, Tables, flows
 from femstruct.tags import stored_as
 
 DISPLACEMENT, VELOCITY = 0, 1
@@ -265,7 +265,7 @@ def _by_length(motion: Motion, at_once: int = SAMPLES_AT_ONCE) -> list[_Steps]:
 
 
 def inner_tables(
-    system: System, halvings: int, rule: Rule, tables: Tables, used: Integers, pushed: Integers
+    system: System, halvings: int, tables: Tables, used: Integers, pushed: Integers
 ) -> tuple[Floats, Floats]:
     """free and forced of a Motion. used [l] : doublings of its long steps; pushed [l] : whether forces act on them."""
     n, longest = len(system.omega), 1 << int(used.max(initial=0))
@@ -279,7 +279,7 @@ def inner_tables(
         v = np.zeros((STAGES, n))
         for j in range(1 << d):
             forced[d, 0, :, :, j], forced[d, 1, :, :, j] = x, v
-            piece = rule.pieces[(1 << d) - 1 + j].T
+            piece = tables.rule.pieces[(1 << d) - 1 + j].T
             x, v = flow[0] * x + flow[1] * v + piece @ push[0], flow[2] * x + flow[3] * v + piece @ push[1]
     return free, forced
 

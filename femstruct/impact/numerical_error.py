@@ -18,6 +18,7 @@ from femstruct.impact.collocation import MAX_STEPS, Ended, collocate, levels_for
 from femstruct.impact.contact_events import (
     CERTAIN,
     CLOSES,
+    COUNTS,
     DONE,
     MOST_EVENTS,
     TOO_MANY_EVENTS,
@@ -26,7 +27,15 @@ from femstruct.impact.contact_events import (
     settle_events,
 )
 from femstruct.impact.energies import TIME
-from femstruct.impact.exact import THETA, exact_march, exact_room, exact_rule, largest_rate, takes_exact_march
+from femstruct.impact.exact import (
+    THETA,
+    ExactSteps,
+    exact_march,
+    exact_room,
+    exact_rule,
+    largest_rate,
+    takes_exact_march,
+)
 from femstruct.impact.propagation import Tables, collocation_rule, tabulated
 from femstruct.impact.response import Response
 from femstruct.impact.scene import Scene
@@ -202,11 +211,9 @@ class _Again:
             end = compiled.n_samples * 2.0**compiled.halvings * system.tick
             longest = self.shorter * THETA / max(largest_rate(system), THETA / end)
             room = exact_room(system)
+            steps = ExactSteps(end, interval=np.inf, longest=longest, max_steps=MAX_STEPS)
             ended = run_aside(
-                lambda: Ended.of(
-                    exact_march(system, state, exact_rule(), room, record, end, np.inf, longest, MAX_STEPS), record
-                ),
-                record.stop,
+                lambda: Ended.of(exact_march(system, state, exact_rule(), room, record, steps), record), record.stop
             )
         else:
             tolerance = self.tolerance
@@ -214,12 +221,12 @@ class _Again:
                 lambda: collocate(compiled, tolerance, self.tables, state, record, self.finer), record.stop
             )
         names = {a: name for name, rows in compiled.contacts.items() for a in rows}
-        k, count = system.n_modes, ended[3]
-        if ended[0] == TOO_MANY_EVENTS:
-            record.events[record.newest[record.newest >= 0], 3] = CERTAIN  # what they lead to is not marched
+        k, count = system.n_modes, ended.events
+        if ended.how == TOO_MANY_EVENTS:
+            record.events[record.newest[record.newest >= 0], COUNTS] = CERTAIN  # what they lead to is not marched
             count = settle_events(record, count, len(system.interfaces))
         run = _Run(
-            ended=ended[0] == DONE,
+            ended=ended.how == DONE,
             peak={name: _peak(record, rows) for name, rows in compiled.contacts.items()},
             velocity=state.v[k:] / compiled.scale[k:],
             log=[
@@ -229,7 +236,7 @@ class _Again:
             until=None,
             first={},
         )
-        return run, events - count if ended[0] == TOO_MANY_EVENTS else 0
+        return run, events - count if ended.how == TOO_MANY_EVENTS else 0
 
 
 def _peak(record: RunRecord, rows: Sequence[int]) -> tuple[float, float]:

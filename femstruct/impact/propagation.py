@@ -332,7 +332,7 @@ MODES_AT_ONCE = 4000  # room for their responses: about 5 MB
 
 
 class Tables(NamedTuple):
-    """What is known of steps of every length, by level.
+    """What is known of steps of every length, by level, of collocation by a rule.
 
     free [level, 2, n, q] : rows' displacements and velocities at the points from the modes' displacement, velocity;
     q = (row * POINTS + point) * 2 + (0 displacement, 1 velocity).
@@ -344,6 +344,7 @@ class Tables(NamedTuple):
     displacement and velocity, per modal energy norm and per force derivative (the last of s: per largest force).
     """
 
+    rule: Rule
     free: Floats4
     forced: Floats6
     flow: Cube
@@ -392,6 +393,7 @@ def tabulated(system: System, levels: int, rule: Rule) -> Tables:
     n, r = len(system.omega), len(system.rows)
     forms = 0 if len(system.turn) else FORMS
     tables = Tables(
+        rule=rule,
         free=np.empty((levels, 2, n, r * POINTS * 2)),
         forced=np.zeros((levels, r, POINTS, 2, r, STAGES)),
         flow=np.empty((levels, 4, n)),
@@ -401,13 +403,13 @@ def tabulated(system: System, levels: int, rule: Rule) -> Tables:
         stray_push=np.zeros((levels, 2, STAGES + 1, r, r)),
     )
     for first in range(0, n, MODES_AT_ONCE):
-        _fill(system, rule, tables, slice(first, min(first + MODES_AT_ONCE, n)))
+        _fill(system, tables, slice(first, min(first + MODES_AT_ONCE, n)))
     return tables
 
 
-def _fill(system: System, rule: Rule, tables: Tables, some: slice) -> None:
+def _fill(system: System, tables: Tables, some: slice) -> None:
     """Fill in what some modes are, and add what they do to the rows."""
-    omega, damping = system.omega[some], system.damping[some]
+    omega, damping, rule = system.omega[some], system.damping[some], tables.rule
     below, lossy = _halvings_below(omega, damping, system.tick), tables.loss.shape[1] > 0
     seen = _rows_of(system, some)
     answers = _responses(seen, omega, damping)
@@ -421,8 +423,8 @@ def _fill(system: System, rule: Rule, tables: Tables, some: slice) -> None:
             for whole, part in zip(short, doubled, strict=True):
                 whole[long] = part
         if level >= 0:
-            _book(system, tables, level, some, short, flows(omega, damping, rule.ends * h), seen, answers)
-            _stray(omega, damping, h, rule, tables, level, some, answers)
+            _book(system, tables, level, some, short, seen, answers)
+            _stray(system, tables, level, some, answers)
 
 
 def _halvings_below(omega: Floats, damping: Floats, tick: float) -> int:
@@ -513,10 +515,10 @@ def _rows_of(system: System, some: slice) -> _Rows:
     return _Rows(rows, tilts, swings, rates, system.kicks[:, some], system.drives[:, some])
 
 
-def _book(system: System, tables: Tables, level: int, some: slice, step: _Step, flow: Floats, seen: _Rows,
-          answers: _Answers) -> None:  # fmt: skip
+def _book(system: System, tables: Tables, level: int, some: slice, step: _Step, seen: _Rows, answers: _Answers) -> None:
     """Write what is known of a step of some modes into the tables."""
     x, v, form = step
+    flow = flows(system.omega[some], system.damping[some], tables.rule.ends * (system.tick * 2.0**level))
     n, r = len(x), len(system.rows)
     tables.flow[level, :, some] = flow[:, :, STAGES]
     tables.push[level, 0, :, some], tables.push[level, 1, :, some] = x[:, STAGES].T, v[:, STAGES].T
@@ -550,9 +552,9 @@ def _responses(seen: _Rows, omega: Floats, damping: Floats) -> _Answers:
     return found
 
 
-def _stray(omega: Floats, damping: Floats, h: float, rule: Rule, tables: Tables, level: int, some: slice,
-           answers: _Answers) -> None:  # fmt: skip
+def _stray(system: System, tables: Tables, level: int, some: slice, answers: _Answers) -> None:
     """What interpolation at the places can miss: its remainder for slow modes, its norm for fast ones."""
+    omega, damping, h, rule = system.omega[some], system.damping[some], system.tick * 2.0**level, tables.rule
     lagrange, cap = rule.node_polynomial / factorial(PLACES), 1.0 + rule.lebesgue
     z = (omega + damping) * h
     slow = z < SLOW
@@ -707,15 +709,16 @@ def trial_room(system: System) -> StepTrial:
 
 
 @kernel
-def try_step(t: float, level: int, h: float, system: System, state: State, rule: Rule, tables: Tables, trial: StepTrial,
-             tolerance: float) -> float:  # fmt: skip
+def try_step(
+    t: float, level: int, system: System, state: State, tables: Tables, trial: StepTrial, tolerance: float
+) -> float:
     """Solve a step; returns its error over what is allowed, infinite when the forces were not found.
 
     The error of a force is what its polynomial misses of its law at both ends; what counts is the speed it would give
     the mass behind the row in the step, against the largest speed the row has had.
     """
     n, r, m = len(system.omega), len(system.rows), len(system.interfaces)
-    q = trial.q
+    h, rule, q = system.tick * float(1 << level), tables.rule, trial.q
     q[:] = 0.0
     free = tables.free[level]
     for i in range(n):
@@ -742,62 +745,83 @@ def try_step(t: float, level: int, h: float, system: System, state: State, rule:
 @kernel
 def _interface_forces(level: int, system: System, state: State, tables: Tables, trial: StepTrial, count: int) -> bool:
     """Newton for the forces of the `count` active interfaces at the nodes; leaves place and rate of all rows."""
-    r, size = len(system.rows), count * STAGES
-    forced = tables.forced[level]
-    place, rate = trial.place, trial.rate
-    active, slope, jacobian, residual = trial.active, trial.slope, trial.jacobian, trial.residual
-    biggest = 0.0
-    for a in range(r):
+    forced, biggest = tables.forced[level], 0.0
+    for a in range(len(system.rows)):
         if a < len(system.interfaces):
             biggest = max(biggest, abs(system.interfaces[a]["preload"]))
         for p in range(STAGES):
             biggest = max(biggest, abs(trial.forces[a, p]))
     for step in range(NEWTON_STEPS):
-        for a in range(r):
-            for p in range(POINTS):
-                x, v = trial.q[(a * POINTS + p) * 2], trial.q[(a * POINTS + p) * 2 + 1]
-                for b in range(r):
-                    for j in range(STAGES):
-                        x += forced[a, p, 0, b, j] * trial.forces[b, j]
-                        v += forced[a, p, 1, b, j] * trial.forces[b, j]
-                place[a, p + 1], rate[a, p + 1] = x, v
+        _respond(forced, trial)
         if count == 0:
             return True
-        worst = 0.0
-        for i in range(count):
-            a = active[i]
-            shift = -state.rest[a] if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["offset"]
-            held = 0.0 if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["preload"]
-            largest, miss = max(abs(system.interfaces[a]["preload"]), FAINT * biggest), 0.0
-            for p in range(STAGES):
-                f, slope[i, p, 0], slope[i, p, 1], _ = law(system, a, place[a, p + 1] + shift, rate[a, p + 1])
-                residual[i * STAGES + p] = f - held - trial.forces[a, p]
-                largest = max(largest, abs(f), abs(trial.forces[a, p]))
-                miss = max(miss, abs(residual[i * STAGES + p]))
-            if not np.isfinite(miss):
-                return False
-            if largest > 0.0:
-                worst = max(worst, miss / largest)
+        worst = _misses(system, state, trial, count, biggest)
+        if np.isnan(worst):
+            return False
         if worst <= SOLVED:
             return True
         if step == NEWTON_STEPS - 1:
             return worst <= ROUGHLY or _lost_in_rounding(system.tick * float(1 << level), system, state, trial, count)
-        for i in range(count):
-            for p in range(STAGES):
-                for j in range(count):
-                    b = active[j]
-                    for s in range(STAGES):
-                        jacobian[i * STAGES + p, j * STAGES + s] = -(
-                            slope[i, p, 0] * forced[active[i], p, 0, b, s]
-                            + slope[i, p, 1] * forced[active[i], p, 1, b, s]
-                        )
-                jacobian[i * STAGES + p, i * STAGES + p] += 1.0
-        if not solve_dense(jacobian, residual, size):
+        _linearise(forced, trial, count)
+        if not solve_dense(trial.jacobian, trial.residual, count * STAGES):
             return False
         for i in range(count):
             for p in range(STAGES):
-                trial.forces[active[i], p] += residual[i * STAGES + p]
+                trial.forces[trial.active[i], p] += trial.residual[i * STAGES + p]
     return False
+
+
+@kernel
+def _respond(forced: Floats, trial: StepTrial) -> None:
+    """Displacement and velocity of all rows at the points: free motion, and what the forces at the nodes add."""
+    r = len(trial.forces)
+    for a in range(r):
+        for p in range(POINTS):
+            x, v = trial.q[(a * POINTS + p) * 2], trial.q[(a * POINTS + p) * 2 + 1]
+            for b in range(r):
+                for j in range(STAGES):
+                    x += forced[a, p, 0, b, j] * trial.forces[b, j]
+                    v += forced[a, p, 1, b, j] * trial.forces[b, j]
+            trial.place[a, p + 1], trial.rate[a, p + 1] = x, v
+
+
+@kernel
+def _misses(system: System, state: State, trial: StepTrial, count: int, biggest: float) -> float:
+    """What the laws of the active interfaces ask for beyond the forces, into residual, with their slopes: the most that
+    one misses of its largest force; nan where a law gives no number. biggest : of all forces, what is far below it is
+    not known better."""
+    place, rate, slope, residual = trial.place, trial.rate, trial.slope, trial.residual
+    worst = 0.0
+    for i in range(count):
+        a = trial.active[i]
+        shift = -state.rest[a] if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["offset"]
+        held = 0.0 if system.interfaces[a]["kind"] == LINK else system.interfaces[a]["preload"]
+        largest, miss = max(abs(system.interfaces[a]["preload"]), FAINT * biggest), 0.0
+        for p in range(STAGES):
+            f, slope[i, p, 0], slope[i, p, 1], _ = law(system, a, place[a, p + 1] + shift, rate[a, p + 1])
+            residual[i * STAGES + p] = f - held - trial.forces[a, p]
+            largest = max(largest, abs(f), abs(trial.forces[a, p]))
+            miss = max(miss, abs(residual[i * STAGES + p]))
+        if not np.isfinite(miss):
+            return np.nan
+        if largest > 0.0:
+            worst = max(worst, miss / largest)
+    return worst
+
+
+@kernel
+def _linearise(forced: Floats, trial: StepTrial, count: int) -> None:
+    """The matrix of Newton's iteration: 1 less what a force changes of the others through the motion."""
+    active, slope, jacobian = trial.active, trial.slope, trial.jacobian
+    for i in range(count):
+        for p in range(STAGES):
+            for j in range(count):
+                b = active[j]
+                for s in range(STAGES):
+                    jacobian[i * STAGES + p, j * STAGES + s] = -(
+                        slope[i, p, 0] * forced[active[i], p, 0, b, s] + slope[i, p, 1] * forced[active[i], p, 1, b, s]
+                    )
+            jacobian[i * STAGES + p, i * STAGES + p] += 1.0
 
 
 @kernel

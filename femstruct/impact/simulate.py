@@ -42,7 +42,7 @@ from femstruct.impact.contact_events import (
     room_for,
 )
 from femstruct.impact.energies import TIME, ledger
-from femstruct.impact.exact import exact_march, exact_room, exact_rule, takes_exact_march
+from femstruct.impact.exact import ExactSteps, exact_march, exact_room, exact_rule, takes_exact_march
 from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, coordinates, sampled_motion, seen
 from femstruct.impact.propagation import State, collocation_rule, tabulated
 from femstruct.impact.response import (
@@ -266,17 +266,8 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: RunRecord) 
     """The march of piecewise-linear systems; its ledger has no fewer than LEDGER_ROWS."""
     system, nt = compiled.system, compiled.n_samples
     end = nt / clock.sampling
-    how = exact_march(
-        system,
-        state,
-        exact_rule(),
-        exact_room(system),
-        record,
-        end,
-        1.0 / clock.sampling,
-        end / LEDGER_ROWS,
-        MAX_STEPS,
-    )
+    steps = ExactSteps(end, interval=1.0 / clock.sampling, longest=end / LEDGER_ROWS, max_steps=MAX_STEPS)
+    how = exact_march(system, state, exact_rule(), exact_room(system), record, steps)
     kept = record.kept[0]
     return Ended.of(how, record), sampled_motion(record.z[:kept].T, record.v[:kept].T, system)
 
@@ -288,7 +279,7 @@ def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: RunR
     ended = collocate(compiled, clock.tolerance, tables, state, record)
     if ended[0] != DONE:
         return ended, sampled_motion(record.z[:0].T, record.v[:0].T)
-    return ended, motion_of(record, system, compiled.halvings, collocation_rule(), tables, compiled.turn)
+    return ended, motion_of(record, system, compiled.halvings, tables, compiled.turn)
 
 
 def _suspect(compiled: Compiled, state: State) -> str:

@@ -14,7 +14,7 @@ from femstruct.errors import NotConverged
 from femstruct.impact import numerical_error as estimate
 from femstruct.impact import simulate as engine
 from femstruct.impact.contact_events import DONE, STICKS, ended, room_for
-from femstruct.impact.exact import exact_march, exact_room, exact_rule
+from femstruct.impact.exact import ExactSteps, exact_march, exact_room, exact_rule
 from femstruct.impact.numerical_error import error_of
 from femstruct.impact.propagation import State
 from femstruct.impact.response import EnergyBalance, Response
@@ -218,9 +218,8 @@ def marched(response: Response, z: np.ndarray, v: np.ndarray) -> tuple[int, Stat
     system, m = compiled.system, len(compiled.system.interfaces)
     state = State(z.copy(), v.copy(), np.zeros(m, dtype=np.int64), np.zeros(m), np.zeros(len(system.rows)), np.zeros(m))
     record = room_for(system, 0)
-    how = exact_march(
-        system, state, exact_rule(), exact_room(system), record, response.clock.duration, 1.0, np.inf, 10**6
-    )
+    steps = ExactSteps(response.clock.duration, interval=1.0, longest=np.inf, max_steps=10**6)
+    how = exact_march(system, state, exact_rule(), exact_room(system), record, steps)
     return how, state
 
 
