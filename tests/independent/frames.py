@@ -261,6 +261,14 @@ class Skeleton:
             found.append(np.sqrt(np.abs(normal) ** 2 + 3 * np.abs(G * shape.arm * strain[:, 3:4]) ** 2))
         return np.array(found)
 
+    def between(self, motions: Floats, steps: int) -> Floats:
+        """Displacements of even places along every bar [bar, place, 3]."""
+        found = []
+        for where, lever, _, _, _, _ in self.bars:
+            N, _ = self._shapes(np.linspace(-1, 1, steps))
+            found.append(N @ (lever @ motions[where]).reshape(-1, 6)[:, :3])
+        return np.array(found)
+
     def spring(
         self, a: int, b: int | None, stiffness: Floats, dashpots: Floats | None = None, loss: float = 0.0
     ) -> None:

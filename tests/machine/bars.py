@@ -318,6 +318,39 @@ def _(rng: np.random.Generator) -> Case:
     )
 
 
+@capability("bars: stress and motion between nodes, under weight", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """One or a few bars a stretch, upright or leaning, each looked at in quarters of its length."""
+    element = str(rng.choice(["euler", "timoshenko", "timoshenko18"]))
+    draft = a_frame(rng, int(rng.integers(1, 3)), reach=(1.5, 4.0), element=element)
+    part, points = draft["parts"]["f"], draft["points"]
+    del points["mid"], part["mesh"]
+    if rng.random() < 0.5:
+        rise = float(np.round(rng.uniform(1.5, 4), 3))
+        part["lines"][0] = [[0.0, 0.0, 0.0], [0.0, 0.0, rise]]
+        points["corner"]["at"] = points["tip"]["at"] = [0.0, 0.0, rise]
+        part["orientation"] = [1.0, 0.0, 0.0]
+    draft["sections"]["s"] = a_section(rng, ("rectangle", "box", "I"))
+    if rng.random() < 0.6:
+        fix = [one for one in SIX[:5] if rng.random() < 0.5] or ["z"]
+        draft["supports"]["other"] = {"at": "tip", "fix": fix}
+    forces = push(rng, "corner") if rng.random() < 0.3 else {}
+
+    def asked(model: Model, door: Door) -> Floats:
+        found = door.statics(model, *words(forces), weight=True)
+        door.told = [one for one in door.told if not one.startswith("stress")]
+        return np.array([found["stresses"]["f"]["largest_pa"], found["parts_m"]["f"]])
+
+    def right(model: Model, _: Door) -> Floats:
+        bones, where = read(model)
+        moved = bones.rest(loaded(bones, where, forces, 9.80665))
+        far = np.linalg.norm(bones.between(moved, 5), axis=2)
+        return np.array([np.abs(bones.stresses(moved, 5)).max(), far.max()])
+
+    why = "N / A + M / W and the shear of torsion at the quarters of bars; rounding, and of slender bars some shear"
+    return Case(draft, asked, right, 1e-5, why, KNOBS, each=True)
+
+
 @capability("bars: a support that leans", "independent")
 def _(rng: np.random.Generator) -> Case:
     draft = a_frame(rng)
