@@ -17,7 +17,7 @@ _LEVER: Final = 0.05  # m, of the pairs of forces
 _EXACT: Final = "all elements and joints have constant strains exactly; rounding of the solution"
 
 
-def _pieces(counts: Sequence[int], corners: Floats, kind: str) -> tuple[Floats, Floats]:
+def pieces(counts: Sequence[int], corners: Floats, kind: str) -> tuple[Floats, Floats]:
     """Nodes [n, 3] and cells between corners [2, 2, .., 3] of a box or of a rectangle, of one kind of cell."""
     lines = [np.linspace(0, 1, count + 1) for count in counts]
     places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(counts))
@@ -40,11 +40,11 @@ def _pieces(counts: Sequence[int], corners: Floats, kind: str) -> tuple[Floats, 
     return nodes, cells
 
 
-def _file(nodes: Floats, cells: Floats, kind: str) -> str:
+def file_of(nodes: Floats, cells: Floats, kind: str) -> str:
     return vtu(Meshed(nodes, (Group("all", kind, cells, "foot", ()),), np.arange(len(nodes)) + 1))
 
 
-def _box(nodes: Floats) -> list[list[float]]:
+def box_of(nodes: Floats) -> list[list[float]]:
     return [(nodes.min(axis=0) - 1e-6).tolist(), (nodes.max(axis=0) + 1e-6).tolist()]
 
 
@@ -69,21 +69,21 @@ def _three(rng: np.random.Generator, kind: str, seam: bool) -> tuple[Draft, dict
     parts, files, grids = {}, {}, []
     for at, (name, cells) in enumerate(zip("abc", counts, strict=True)):
         of = kind if name == "b" else "hex8"
-        nodes, own = _pieces(cells, np.stack(faces[at : at + 2]), of)
-        files[f"{name}.vtu"] = _file(nodes, own, of)
+        nodes, own = pieces(cells, np.stack(faces[at : at + 2]), of)
+        files[f"{name}.vtu"] = file_of(nodes, own, of)
         parts[name] = {"type": "solid", "mesh": f"{name}.vtu", "material": "m"}
         grids.append(nodes)
     inner: Draft = {"parts": parts, "damping": {"ratio": 0.01}}
     root = np.flatnonzero(grids[0][:, 0] < 1e-9)
     inner["points"] = {"p": {"on": "a", "at": [0.0, 0.0, 0.0]}, "q": {"on": "a", "at": [0.0, float(width), 0.0]}}
     inner["supports"] = {
-        "root": {"on": "a", "box": _box(grids[0][root]), "fix": ["x"]},
+        "root": {"on": "a", "box": box_of(grids[0][root]), "fix": ["x"]},
         "one": {"at": "p", "fix": ["y", "z"]}, "two": {"at": "q", "fix": ["z"]},
     }  # fmt: skip
     if seam:
 
         def side(name: str, face: Floats) -> Draft:
-            return {"on": name, "box": _box(face.reshape(-1, 3))}
+            return {"on": name, "box": box_of(face.reshape(-1, 3))}
 
         inner["constraints"] = {
             "s": {"seam": side("b", faces[1]), "onto": side("a", faces[1])},
@@ -139,13 +139,13 @@ def _strips(rng: np.random.Generator, angle: float, seam: bool) -> tuple[Draft, 
     parts, files, grids = {}, {}, []
     for name, cells, start, end in zip("ab", counts, lines, lines[1:], strict=False):
         corners = np.array([[start, start + across], [end, end + across]])
-        nodes, own = _pieces(cells, corners, "quad4")
-        files[f"{name}.vtu"] = _file(nodes, own, "quad4")
+        nodes, own = pieces(cells, corners, "quad4")
+        files[f"{name}.vtu"] = file_of(nodes, own, "quad4")
         parts[name] = {"type": "shell", "mesh": f"{name}.vtu", "material": "m", "thickness": thick}
         grids.append(nodes)
     inner: Draft = {"parts": parts, "damping": {"ratio": 0.01}}
-    edge = _box(np.array([lines[1], lines[1] + across]))
-    inner["supports"] = {"root": {"on": "a", "box": _box(np.array([lines[0], across])), "fix": "clamped"}}
+    edge = box_of(np.array([lines[1], lines[1] + across]))
+    inner["supports"] = {"root": {"on": "a", "box": box_of(np.array([lines[0], across])), "fix": "clamped"}}
     if seam:
         inner["constraints"] = {"s": {"seam": {"on": "b", "box": edge}, "onto": {"on": "a", "box": edge}}}
     else:
@@ -209,7 +209,7 @@ def _(rng: np.random.Generator) -> Case:
     long, wide, thick = (float(f"{x:.3g}") for x in rng.uniform([0.5, 0.3, 0.004], [0.8, 0.4, 0.008]))
     side = float(f"{rng.uniform(0.01, 0.02):.3g}")
     at = float(f"{wide * rng.uniform(0.4, 0.6):.3g}")
-    nodes, cells = _pieces(
+    nodes, cells = pieces(
         (5, 6), np.array([[[0, 0, 0], [0, wide, 0]], [[long, 0, 0], [long, wide, 0]]], float), "quad4"
     )
     tip = nodes[-7:]
@@ -230,7 +230,7 @@ def _(rng: np.random.Generator) -> Case:
             "along": {"connect": ["rib", "a"]}, "stand": {"connect": ["levers", "a"]},
             "end": {"connect": ["own", "rib"]},
         },
-        "supports": {"root": {"on": "a", "box": _box(nodes[:7]), "fix": "clamped"}},
+        "supports": {"root": {"on": "a", "box": box_of(nodes[:7]), "fix": "clamped"}},
         "damping": {"ratio": 0.01},
     }  # fmt: skip
     draft["points"] = {f"t{k}": {"on": "a", "at": one.tolist()} for k, one in enumerate(tip)}
@@ -248,7 +248,7 @@ def _(rng: np.random.Generator) -> Case:
         ]
         inner = {key: one for key, one in model.items() if key != "bend"}
         words = [word for one in forces for word in ("--force", one)]
-        found = door.ask(inner, "statics", *words, **{"a.vtu": _file(nodes, cells, "quad4")})
+        found = door.ask(inner, "statics", *words, **{"a.vtu": file_of(nodes, cells, "quad4")})
         door.told = []
         moved = np.array([found["points"][f"t{k}"] for k in range(8)])
         return np.r_[moved[:, 2] * 1e3, moved[:, 4] * 1e3, moved[:, 3] * 1e3]
@@ -282,13 +282,13 @@ def _(rng: np.random.Generator) -> Case:
         cells = np.stack([k[:, :-1], next_[:, :-1], next_[:, 1:], k[:, 1:]], axis=-1).reshape(-1, 4)
         tubes.append((np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height]), cells))
         base += long
-    files = {f"{name}.vtu": _file(*one, "quad4") for name, one in zip("ab", tubes, strict=True)}
+    files = {f"{name}.vtu": file_of(*one, "quad4") for name, one in zip("ab", tubes, strict=True)}
     top = tubes[1][0][4::5]
     draft: Draft = {
         "materials": {"m": made},
         "parts": {one: {"type": "shell", "mesh": f"{one}.vtu", "material": "m", "thickness": thick} for one in "ab"},
         "joints": {"j": {"connect": ["a", "b"]}},
-        "supports": {"root": {"on": "a", "box": _box(tubes[0][0][::5]), "fix": ["z", "x", "y"]}},
+        "supports": {"root": {"on": "a", "box": box_of(tubes[0][0][::5]), "fix": ["z", "x", "y"]}},
         "points": {f"t{k}": {"on": "b", "at": at.tolist()} for k, at in enumerate(top)},
         "damping": {"ratio": 0.01},
     }  # fmt: skip
@@ -331,10 +331,10 @@ def _(rng: np.random.Generator) -> Case:
     draft["joints"] = {"j": {"connect": ["a", "b"]}}
     files, tips = {}, {}
     for name, cells, low, high in zip("ab", counts, sides, sides[1:], strict=False):
-        nodes, own = _pieces(cells, np.array([[[0, low, 0], [0, high, 0]], [[long, low, 0], [long, high, 0]]]), "quad4")
-        files[f"{name}.vtu"] = _file(nodes, own, "quad4")
+        nodes, own = pieces(cells, np.array([[[0, low, 0], [0, high, 0]], [[long, low, 0], [long, high, 0]]]), "quad4")
+        files[f"{name}.vtu"] = file_of(nodes, own, "quad4")
         draft["parts"][name] = {"type": "shell", "mesh": f"{name}.vtu", "material": "m", "thickness": thick}
-        draft["supports"][f"root {name}"] = {"on": name, "box": _box(nodes[: cells[1] + 1]), "fix": "clamped"}
+        draft["supports"][f"root {name}"] = {"on": name, "box": box_of(nodes[: cells[1] + 1]), "fix": "clamped"}
         tips[name] = nodes[-cells[1] - 1 :]
         tops = tips[name] + np.array([0.0, 0.0, _LEVER])
         lines = [[one.tolist(), top.tolist()] for one, top in zip(tips[name], tops, strict=True)]
