@@ -115,3 +115,50 @@ def _(rng: np.random.Generator) -> Case:
         return np.array([rows[pair][0], *pair])
 
     return Case(model, asked, right, 2e-4, _WHY, each=True)
+
+
+@capability("sweeps: cases of other structures and other damping", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """A case that changes the structure alone has the law of the baseline, whichever that is, and its exceptions, which
+    follow their mode; one that changes the damping has its own. By histories or by the engine of many impacts at once.
+    """
+    model = _struck(rng)
+    own = model["structure"]["structure"]["frequency"]
+    hz = {"own": own, "stiff": float(f"{own * rng.uniform(1.3, 2.5):.4g}"), "lossy": own}
+    mode = bool(rng.random() < 0.5)
+    size = {"own": float(f"{rng.uniform(0.02, 0.1):.4g}"), "lossy": float(f"{rng.uniform(0.12, 0.3):.4g}")}
+    laws: dict[str, Any] = {one: {"rayleigh": {"alpha": f"{ratio * 12.6 * own!r} 1/s"}} for one, ratio in size.items()}
+    if mode:
+        laws = {one: {"ratio": 0.01, "modes": {"1": {"ratio": ratio, "near": own}}} for one, ratio in size.items()}
+    changed = {"damping.modes.1.ratio": size["lossy"]} if mode else {"damping": laws["lossy"]}
+    cases: dict[str, Any] = {"own": {}, "stiff": {"structure.frequency": hz["stiff"]}, "lossy": changed}
+    order = [str(one) for one in rng.permutation(list(cases))]
+    model |= {"cases": {one: cases[one] for one in order}}
+    model["baseline"] = str(rng.choice([one for one in order if one != "stiff" or not mode]))
+    model["masses"] = _axes(rng, model)["bodies.a.mass"][:2]
+    some = bool(rng.random() < 0.6)
+
+    def asked(model: Model, door: Door) -> Floats:
+        study, beside = _said(model)
+        study |= {"cases": model["cases"], "compare": {"baseline": model["baseline"]}}
+        beside["structure"] = {**model["structure"], "damping": laws["own"]}
+        names = (f"{_contact(model)} peak force", "m.z displacement")
+        words = ["--vary", f"bodies.a.mass={_list(model['masses'])}", "--workers", "1", "--no-pictures"]
+        words += [word for name in names for word in ("--only", name)] * some
+        found = door.ask(study, "sweep", *words, **beside)
+        door.told.clear()
+        rows = [row["cases"][case]["numbers"] for row in found["samples"] for case in sorted(cases)]
+        return np.array([[float(row[name]) for name in names] for row in rows]).T.ravel()
+
+    def right(model: Model, _: Door) -> Floats:
+        rows = []
+        for mass in model["masses"]:
+            for case in sorted(cases):
+                of = case if case != "stiff" else "lossy" if model["baseline"] == "lossy" else "own"
+                one = _row(model, mass, hz[case])
+                falls = 1.0 if mode else 12.6 * own / (4 * np.pi * hz[case])  # alpha / 2 w
+                one["structure"]["damping"] = {"ratio": size[of] * falls}
+                rows.append(_peak(one))
+        return np.array(rows).T.ravel()
+
+    return Case(model, asked, right, 2e-4, _WHY, each=True)
