@@ -96,8 +96,8 @@ def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
 
     A step of 1 N and back, whose spectrum is 1 / (pi f) |sin(pi f T)|:
 
-    >>> round(force_exposure_levels(np.ones(4800), 1 / 48e3)[500.0], 1)
-    -38.4
+    >>> round(force_exposure_levels(np.ones(4800), 1 / 48e3)[500.0], 2)
+    -38.35
     """
     force = frozen("force", force, (None,))
     sampling_hz = 1 / positive("dt", dt, "s")
