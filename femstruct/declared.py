@@ -57,6 +57,17 @@ class Key(NamedTuple):
     default: Any = MISSING
 
 
+class Refers(NamedTuple):
+    """Annotation of a text that is the name of something else in the files.
+
+    kind : the words for it in messages; "" where the noun itself checks the name, since it depends on more.
+    goes_with : the group of names with which what uses one is removed.
+    """
+
+    kind: str = ""
+    goes_with: str = ""
+
+
 class Declared(NamedTuple):
     """What a noun is given: `default` is MISSING where it must be, `stays` where it is a field."""
 

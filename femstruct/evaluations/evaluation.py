@@ -1,20 +1,23 @@
 """What every evaluation of a recorded history has: what it takes, and the noun with its numbers that it gives.
 
 An evaluation is a module of this package with a frozen class and nothing to enter anywhere else:
-`known_evaluations` finds it. JSON, the results file, spreadsheets, the tables of the terminal and of the page are
-made of what its answer declares.
+`known_evaluations` finds it, and its fields with their quantities are its keys in study files. JSON, the results file,
+spreadsheets, the tables of the terminal and of the page are made of what its answer declares.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import Any, ClassVar, Final, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple
 
 from femstruct.arrays import Floats
-from femstruct.errors import Finding
+from femstruct.declared import Refers
+from femstruct.errors import Finding, InputError
 from femstruct.reported import OWN_UNIT, reported
 
+Of = Annotated[str, Refers()]
+"""The point and direction of a recorded motion, "POINT.z"."""
 PLACES: Final = ("s", "Hz", "1")  # units of numbers that say when and where, or what was asked
 
 
@@ -44,6 +47,11 @@ class Evaluation(ABC):
         """The word of its kind, "shock_spectra"."""
         word: str = cls.gives.table.key
         return word
+
+    def mistakes(self, sampling: float | None) -> Iterator[InputError]:
+        """What is wrong with its fields together, and with the sampling [Hz] where there is one: of each `where` is the
+        field, "" for all."""
+        yield from ()
 
     @property
     @abstractmethod

@@ -12,7 +12,7 @@ from typing import Final
 from femstruct.evaluations import __name__ as package
 from femstruct.evaluations import __path__ as places
 from femstruct.evaluations.evaluation import Evaluation
-from femstruct.plugins import added_kinds
+from femstruct.plugins import added_kinds, with_added
 
 
 def _own() -> Iterator[type[Evaluation]]:
@@ -22,5 +22,7 @@ def _own() -> Iterator[type[Evaluation]]:
         yield from (one for one in mine if one.__module__ == module.__name__ and not isabstract(one))
 
 
-_ADDED: Final = tuple(one.kind for one in added_kinds("femstruct.evaluations", Evaluation))
-EVALUATIONS: Final[Mapping[str, type[Evaluation]]] = MappingProxyType({kind.key(): kind for kind in (*_own(), *_ADDED)})
+_ADDED: Final = added_kinds("femstruct.evaluations", Evaluation, "femstruct.language.evaluations")
+EVALUATIONS: Final[Mapping[str, type[Evaluation]]] = MappingProxyType(
+    {kind.key(): kind for kind in with_added(tuple(_own()), _ADDED, lambda kind: (kind.key(),))}
+)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
-from femstruct.evaluations.evaluation import Evaluation
+from femstruct.evaluations.evaluation import Evaluation, Of
 from femstruct.reported import OWN_UNIT, Held, Reported
 from femstruct.tags import stored_as
 
@@ -95,8 +95,8 @@ class Perceived:
 @dataclass(frozen=True)
 @checked("perception")
 class PerceptionRequest(Evaluation):
-    """How strongly people feel a recorded motion of a floor. of : "POINT.z". weighting : KB of a velocity (DIN 4150-2,
-    DIN 45669-1), or of an acceleration Wk (vertical) and Wd (horizontal) of ISO 2631-1, or Wm of ISO 2631-2.
+    """How strongly people feel a recorded motion, of: POINT.z. weighting: KB of a velocity (DIN 4150-2, DIN 45669-1);
+    of an acceleration Wk (vertical) or Wd (horizontal) of ISO 2631-1, or Wm of ISO 2631-2.
 
     >>> PerceptionRequest("bed", "bed.z", "KB").channel, PerceptionRequest("bed", "bed.z", "Wm").channel
     ('bed.z velocity', 'bed.z acceleration')
@@ -104,8 +104,16 @@ class PerceptionRequest(Evaluation):
 
     gives: ClassVar = Perceived
     name: str
-    of: str
+    of: Of
     weighting: Weighting
+
+    def mistakes(self, sampling: float | None) -> Iterator[InputError]:
+        """A sampling that is too low for the weighting's filters."""
+        least = SAMPLES * HIGHEST_HZ
+        if sampling is not None and sampling < least:
+            got, do = f"a sampling of {sampling:g} Hz", f"write 'sampling: {least:g} Hz' or more under 'time'"
+            expected = f"{least:g} Hz or more for weightings up to {HIGHEST_HZ:g} Hz"
+            yield InputError("", got=got, expected=expected, do=do)
 
     @property
     def quantity(self) -> Literal["velocity", "acceleration"]:

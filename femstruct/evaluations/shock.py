@@ -11,9 +11,10 @@ import numpy as np
 import scipy
 
 from femstruct.arrays import Floats
-from femstruct.declared import checked
+from femstruct.declared import Count, Key, checked
 from femstruct.errors import Finding, InputError
-from femstruct.evaluations.evaluation import Evaluation, Quoted
+from femstruct.evaluations.evaluation import Evaluation, Of, Quoted
+from femstruct.quantities import Band, Ratio
 from femstruct.reported import Held, Reported
 from femstruct.tags import stored_as
 
@@ -63,9 +64,9 @@ class ShockSpectrum:
 @dataclass(frozen=True)
 @checked("shock_spectra")
 class ShockRequest(Evaluation):
-    """A shock response spectrum of a recorded acceleration: of : "POINT.z"; damping ratio of the oscillators [1], band
-    of their natural frequencies [Hz], how many an octave; without that as many as show a resonance of such oscillators
-    within 3 %, between 12 and 192.
+    """The largest accelerations of oscillators that stand where an acceleration is recorded: of: POINT.z, their damping
+    ratio, the band of their frequencies and how many there are an octave, by default as many as show a resonance within
+    3 % (28 for 5 % of damping), between 12 and 192.
 
     At the foot of a machine, with 5 % of damping (Q = 10), from 5 Hz to 2 kHz:
 
@@ -75,10 +76,23 @@ class ShockRequest(Evaluation):
 
     gives: ClassVar = ShockSpectrum
     name: str
-    of: str
-    damping: float
-    band: tuple[float, float]
-    per_octave: int | None = None
+    of: Of
+    damping: Annotated[Ratio, Key(default=0.05)]
+    band: Band
+    per_octave: Count | None = None
+
+    def mistakes(self, sampling: float | None) -> Iterator[InputError]:
+        """A band that does not rise from above 0 Hz, or ends above a tenth of the sampling."""
+        low, high = self.band
+        if not 0.0 < low < high:
+            yield InputError("band", got=f"{low:g} to {high:g} Hz", expected="a rising band above 0 Hz")
+        if sampling is not None and high > sampling / SAMPLES:
+            got, expected = (
+                f"{high:g} Hz, {sampling / high:.3g} samples a period",
+                f"{SAMPLES:g} samples a period or more",
+            )
+            do = f"sample at {SAMPLES * high:g} Hz, or end the band at {sampling / SAMPLES:g} Hz"
+            yield InputError("band", got=got, expected=expected, do=do)
 
     @property
     def quantity(self) -> Literal["acceleration"]:

@@ -45,7 +45,6 @@ _OURS: Final = ("femstruct", "acoustics")
 _GROUPS: Final = (  # of packages that add nouns
     "femstruct.evaluations",
     "femstruct.laws",
-    "femstruct.language.evaluations",
     "femstruct.language.parts",
     "femstruct.language.rooms",
 )

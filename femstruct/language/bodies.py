@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_args
 from pydantic import ValidationInfo
 
 from femstruct.conventions import GRAVITY
+from femstruct.declared import Refers
 from femstruct.errors import shown_as
 from femstruct.impact.scene import (
     BANG_MACHINE,
@@ -40,18 +41,7 @@ from femstruct.quantities import (
 )
 from femstruct.study.acting import BodySide, Covering, PlacedBody, PlannedContact, PlannedLink, Repeat
 from femstruct.yaml.reader import Here, Names, members
-from femstruct.yaml.spec import (
-    BandFile,
-    Count,
-    Refers,
-    Spec,
-    Text,
-    any_of,
-    brought,
-    by_band,
-    read_by,
-    word_of,
-)
+from femstruct.yaml.spec import BandFile, Count, Spec, Text, any_of, brought, by_band, read_by, word_of
 from femstruct.yaml.spec import Ends as EndsOfContact
 
 if TYPE_CHECKING:

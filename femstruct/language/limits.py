@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Final, NamedTuple
 
 from acoustics.levels.standards import FIELD, RATING
+from femstruct.declared import Refers
 from femstruct.impact.fatigue import SNLine
 from femstruct.language.rooms import RoomSpec
 from femstruct.language.window import QUANTITIES, TimeSpec
@@ -14,7 +15,7 @@ from femstruct.study.asked import SETTLED, FatigueRequest
 from femstruct.study.recorded import GROUND_WITH_WEIGHT, WITH_WEIGHT
 from femstruct.units import DIMENSIONS, QuantityError
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Refers, Spec, Text, read_by
+from femstruct.yaml.spec import Spec, Text, read_by
 
 RATED: Final = "rating"  # ROOM rating
 _LINEAR: Final = {

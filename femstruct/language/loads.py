@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final, Literal, NamedTuple
 from pydantic import Field, ValidationInfo, model_validator
 
 from femstruct.conventions import GRAVITY
+from femstruct.declared import Refers
 from femstruct.errors import FemstructError, InputError, shown_as
 from femstruct.files.columns import read_columns, read_footstep, read_history
 from femstruct.files.text_tables import Head, beside, scale_of
@@ -38,7 +39,6 @@ from femstruct.yaml.spec import (
     BandFile,
     Count,
     PointName,
-    Refers,
     Spec,
     SurfaceName,
     Text,

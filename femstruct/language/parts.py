@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 from pydantic import Discriminator, Field, Tag
 
 from femstruct.decks.mesh_file import read_mesh_file
+from femstruct.declared import Refers
 from femstruct.elements.frame import FrameElement
 from femstruct.elements.plate import PlateElement
 from femstruct.errors import FemstructError, InputError, InputErrors, shown_as
@@ -62,7 +63,6 @@ from femstruct.yaml.spec import (
     Count,
     MaterialLossFactor,
     PointName,
-    Refers,
     Spec,
     Text,
     read_by,

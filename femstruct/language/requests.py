@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
+from femstruct.declared import Refers
 from femstruct.language.not_computed import BASE_IN_TIME, FALLING_PARTS, GROUND, instead_of
 from femstruct.language.rooms import RoomSpec
 from femstruct.quantities import Band, Frequency, Measured, Quantity, Speed
 from femstruct.study.acting import InitialMotion, RigidMotion
 from femstruct.study.asked import VOLUME_VELOCITY, FrfKind, FrfRequest, Spot
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Refers, Spec, Text
+from femstruct.yaml.spec import Spec, Text
 
 
 def spot_of(text: str) -> Spot:

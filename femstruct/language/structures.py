@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 from pydantic import BeforeValidator, Field
 
 from femstruct.conventions import DIRECTIONS
-from femstruct.declared import exactly_one
+from femstruct.declared import Refers, exactly_one
 from femstruct.errors import FemstructError, InputError, shown_as
 from femstruct.language.materials import Area, Losses
 from femstruct.language.parts import MESHED, MaterialName, PartSpec
@@ -54,7 +54,7 @@ from femstruct.quantities import (
 from femstruct.study.structures import BeamEnd, BeamModel, ModesModel, NoStructure, OscillatorModel, RodModel
 from femstruct.units import QuantityError, quantity
 from femstruct.yaml.reader import Here, nearest
-from femstruct.yaml.spec import Count, PointName, Refers, Spec, Text, only, read_by, so_many, words_of
+from femstruct.yaml.spec import Count, PointName, Spec, Text, only, read_by, so_many, words_of
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Points as they are written.

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 from pydantic import Discriminator, Field, Tag, create_model
 
 from acoustics.fields.shaped import ShapedRoom
+from femstruct.declared import Refers
 from femstruct.errors import shown_as
 from femstruct.impact.scene import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
-from femstruct.language import evaluations, rooms
+from femstruct.language import rooms
 from femstruct.language.bodies import (
     UNCORRELATED,
     BlowsSpec,
@@ -27,7 +28,7 @@ from femstruct.language.bodies import (
     law_of,
     turn,
 )
-from femstruct.language.evaluations import EvaluationSpec
+from femstruct.language.evaluations import EVALUATION_KINDS, EvaluationSpec
 from femstruct.language.limits import FatigueSpec, Limits, check_limits, limited_room
 from femstruct.language.loads import LoadSpec, MeasuredSourceSpec, VibrationSpec
 from femstruct.language.model_file import ModelSpec
@@ -43,7 +44,7 @@ from femstruct.study.asked import Extent, Limit, Record
 from femstruct.study.structures import StructureModel, as_many
 from femstruct.study.study import Study
 from femstruct.yaml.reader import Here, Names, members
-from femstruct.yaml.spec import Refers, Spec, Text, check_references, kinds_of, read_by, union_of
+from femstruct.yaml.spec import Spec, Text, check_references, kinds_of, read_by, union_of
 
 # ----------------------------------------------------------------------------------------------------------------------
 # The kinds of rooms a study file can have: every module here that has a `RoomSpec` with `signs` is one, what other
@@ -65,16 +66,6 @@ if TYPE_CHECKING:
     AnyRoom = RoomSpec
 else:
     AnyRoom = Annotated[union_of(Annotated[one, Tag(one.__name__)] for one in ROOM_KINDS), Discriminator(_kind)]
-
-
-# ----------------------------------------------------------------------------------------------------------------------
-# The kinds of evaluations a study file can ask for, by their keys: every module here that has an `EvaluationSpec` with
-# `signs` is one, and what other packages add as entry points of the group `femstruct.language.evaluations`.
-# ----------------------------------------------------------------------------------------------------------------------
-
-EVALUATION_KINDS: dict[str, type[EvaluationSpec]] = {
-    kind.signs[0]: kind for kind in kinds_of(evaluations, EvaluationSpec)
-}
 
 
 # ----------------------------------------------------------------------------------------------------------------------

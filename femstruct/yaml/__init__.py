@@ -5,7 +5,7 @@ A file of a noun finds here what it is written in.
 
 from __future__ import annotations
 
-from femstruct.declared import exactly_one
+from femstruct.declared import Refers, exactly_one
 from femstruct.quantities import (
     CELL,
     FREQUENCY,
@@ -57,7 +57,6 @@ from femstruct.yaml.spec import (
     Flag,
     MaterialLossFactor,
     PointName,
-    Refers,
     Spec,
     SurfaceName,
     Text,

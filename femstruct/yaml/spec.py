@@ -7,8 +7,8 @@ from dataclasses import MISSING, dataclass, field
 from functools import cache, reduce
 from operator import or_
 from pathlib import Path
-from types import ModuleType
-from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple, TypeVar, get_args, get_origin
+from types import ModuleType, UnionType
+from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
 
 from pydantic import (
     BaseModel,
@@ -21,7 +21,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from femstruct.declared import Declared, declared, refuse_together
+from femstruct.declared import Count as AnyCount
+from femstruct.declared import Declared, Refers, declared, refuse_together
 from femstruct.errors import FemstructError, InputError, InputErrors, shown_as
 from femstruct.files.band_tables import read_bands
 from femstruct.files.text_tables import beside, wrong_in
@@ -110,18 +111,6 @@ def brought(*names: str) -> ConfigDict:
         schema["required"] = [name for name in schema["required"] if name not in names]
 
     return ConfigDict(json_schema_extra=loosen)
-
-
-@dataclass(frozen=True)
-class Refers:
-    """Annotation of a text that is the name of something else in the files.
-
-    kind : the words for it in messages; "" where the noun itself checks the name, since it depends on more.
-    goes_with : the group of names with which what uses one is removed.
-    """
-
-    kind: str = ""
-    goes_with: str = ""
 
 
 def _text(value: object) -> str:
@@ -317,12 +306,13 @@ def _words(kind: type[BaseModel]) -> tuple[str, ...]:
 def spec_of(noun: type, word: str, base: type[Spec]) -> Any:
     """The mapping of the language that a noun declares: a key for each thing that it is given, with its quantity.
 
-    word : its `type`. base : what all kinds of it have, and the keys that are written in another form than they are
-    given to the noun.
+    word : its `type`, "" where another key says its kind. base : what all kinds of it have, and the keys that are
+    written in another form than they are given to the noun. Its `name` is the key of the mapping itself.
     """
     first, *_ = (noun.__doc__ or "").split("\n\n")
-    keys = {one.key.name or name: one for name, one in declared(noun).items() if one.key.name is not None}
-    own: dict[str, Any] = {"type": (Literal.__getitem__(word), ...)}
+    said = {name: one for name, one in declared(noun).items() if one.key.name is not None and name != "name"}
+    keys = {one.key.name or name: one for name, one in said.items()}
+    own: dict[str, Any] = {"type": (Literal.__getitem__(word), ...)} if word else {}
     own |= {key: _written(noun, key, one) for key, one in keys.items() if key not in base.model_fields}
     about, name = " ".join(first.split()), f"{noun.__name__}Spec"
     made: Any = create_model(name, __base__=base, __module__=noun.__module__, __doc__=about, **own)
@@ -337,11 +327,24 @@ def _written(noun: type, key: str, one: Declared) -> tuple[Any, Any]:
     if one.annotation in (float, int):
         got, expected = f"{key}: {one.annotation.__name__}", "its quantity, as in `thickness: Length`"
         raise FemstructError(f"{noun.__module__}.{noun.__name__}", got=got, expected=expected)
-    annotation = {bool: Flag, str: Text}.get(one.annotation, one.annotation)
+    annotation = _in_file(one.annotation)
     default = one.key.default if one.key.default is not MISSING else one.default
     if default is MISSING:
         return annotation, ...
     return (annotation | None if default is None else annotation), default
+
+
+def _in_file(annotation: Any) -> Any:
+    """What may be written of what Python takes: texts that are not empty, numbers that are not too large."""
+    origin, inside = get_origin(annotation), get_args(annotation)
+    if annotation in _FORMS:
+        return _FORMS[annotation]
+    if origin is Annotated:
+        return Annotated.__class_getitem__((_in_file(inside[0]), *inside[1:]))
+    return reduce(or_, map(_in_file, inside)) if origin in (Union, UnionType) else annotation
+
+
+_FORMS: Final[dict[Any, Any]] = {bool: Flag, str: Text, AnyCount: Count}
 
 
 def union_of(kinds: Iterable[Any]) -> Any:

@@ -94,6 +94,18 @@ def written(folder: Path, old: str = "", new: str = "") -> Path:
     return path
 
 
+def test_python_takes_what_files_take() -> None:
+    """Texts with units; what is wrong is told by its argument."""
+    given = ShockRequest("foot", "foot.z", "5 %", ("5 Hz", "2 kHz"))  # type: ignore[arg-type]
+    assert given == ShockRequest("foot", "foot.z", 0.05, (5.0, 2000.0))
+    with pytest.raises(InputError, match=r"shock_spectra\.foot\.damping: got 5, expected a ratio below 1; 2 % is 0.02"):
+        ShockRequest("foot", "foot.z", 5, (5.0, 2000.0))
+    with pytest.raises(
+        InputError, match=r"shock_spectra\.foot\.band: got '2 s', which is a time, expected a frequency"
+    ):
+        ShockRequest("foot", "foot.z", 0.05, (5.0, "2 s"))  # type: ignore[arg-type]
+
+
 def test_a_study_reports_it(tmp_path: Path) -> None:
     result = run_study(read_study(written(tmp_path)))
     case = result.cases["as given"]

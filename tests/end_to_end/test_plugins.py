@@ -28,8 +28,6 @@ ENTRIES = """
 strut = femstruct_guest.strut_words:StrutSpec
 [femstruct.evaluations]
 crest = femstruct_guest.crest:CrestRequest
-[femstruct.language.evaluations]
-crest = femstruct_guest.crest_words:CrestSpec
 [femstruct.laws]
 barrier = femstruct_guest.barrier:Barrier
 """

@@ -9,7 +9,7 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.declared import checked
-from femstruct.evaluations.evaluation import Evaluation
+from femstruct.evaluations.evaluation import Evaluation, Of
 from femstruct.reported import Held, Reported
 from femstruct.tags import stored_as
 
@@ -28,11 +28,11 @@ class Crest:
 @dataclass(frozen=True)
 @checked("crest_factors")
 class CrestRequest(Evaluation):
-    """Crest factor of a recorded velocity."""
+    """The peak of a recorded velocity over its root mean square, of: POINT.z."""
 
     gives: ClassVar = Crest
     name: str
-    of: str
+    of: Of
 
     @property
     def quantity(self) -> Literal["velocity"]:
