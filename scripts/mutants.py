@@ -9,7 +9,8 @@ for they change no number; so are the kinds of exceptions that are caught and th
 `scripts/verify.py` alone; tests are not run. A first run of the unchanged code keeps its verdicts and which lines
 each capability executes: those that execute the line come first, the quickest before the others; where none does,
 those of its function, of its file, of its subject. Found is what differs from the verdicts of the unchanged code:
-wrong, refused, told or crashed. What survives is listed with its line, to be read: it is equivalent, or a place that
+wrong, refused, told or crashed, and what the unchanged code, asked for the same check, does not answer so. What
+survives is listed with its line, to be read: it is equivalent, or a place that
 no check reaches.
 """
 
@@ -29,7 +30,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Final
 
 TOP = Path(__file__).resolve().parents[1]
 
@@ -64,6 +65,8 @@ SUBJECTS: Mapping[str, tuple[str, ...]] = {
     ),
     "sweeps": ("femstruct/campaign", "femstruct/study/campaigns.py", "femstruct/study/optima.py"),
 }
+
+_DIFFERS: Final = "differs: "  # begins a line of scripts/verify.py about a verdict that is not the kept one
 
 # Capabilities of the machine that are for a subject, by parts of their names.
 FIRST: Mapping[str, tuple[str, ...]] = {
@@ -184,6 +187,23 @@ def _checked(
     return "survived" if ended.returncode == 0 else "found", lines
 
 
+def _unchanged_differs(lines: Sequence[str], options: argparse.Namespace) -> bool:
+    """Whether the unchanged code, asked now, answers a check otherwise than a mutant did: not all verdicts are kept. A
+    run that gave no list of what differs is taken as it is."""
+    differing = [line.removeprefix(_DIFFERS).split(" | ") for line in lines if line.startswith(_DIFFERS)]
+    for name, index, verdict in differing:
+        with TemporaryDirectory() as folder:
+            kept = Path(folder) / "verdicts.json"
+            words = ["--named", name, "--only", index, "--limit", "60", "--seed", str(options.checks_seed)]
+            env = {"PYTHONPATH": f"{TOP}:{TOP / 'scripts'}", "OMP_NUM_THREADS": "1"}
+            env["FEMSTRUCT_CACHE"] = str(options.output.resolve() / "kernels")
+            command = [sys.executable, "scripts/verify.py", *words, "--verdicts", str(kept)]
+            subprocess.run(command, cwd=TOP, env={**os.environ, **env}, capture_output=True, check=False)
+            if not kept.exists() or json.loads(kept.read_text(encoding="utf-8")).get(f"{name} {index}") != verdict:
+                return True
+    return not differing
+
+
 def _functions(source: str) -> Iterator[range]:
     """Lines of the bodies of functions, outer ones first."""
     for node in ast.walk(ast.parse(source)):
@@ -241,6 +261,8 @@ def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, floa
         seconds = options.seconds * {"line": 1.0, "function": 1 / 3, "file": 1.5, "subject": 1.0}[near]
         words = ["--workers", "1", "--until-fault", "--seconds", str(seconds)]
         word, lines = _checked(copy, copy / "faults", options, names, words)
+    if word == "found" and not _unchanged_differs(lines, options):
+        word, lines = "survived", ["the unchanged code answers so, too", *lines]
     difference = difflib.unified_diff(before.splitlines(), code.splitlines(), lineterm="", n=1)
     kept = options.output / f"{word}_{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
     kept.write_text(
@@ -281,9 +303,11 @@ def main() -> int:
     words = ["--workers", str(options.workers), "--seconds", "900", "--count", str(options.checks)]
     words += ["--reached", str(options.output.resolve() / "reached.json")]
     word, lines = _checked(TOP, options.output / "unchanged", options, words=words)
-    if word == "found":
-        print("\n".join(["the unchanged code has a fault with these seeds: mend it first", *lines]), file=sys.stderr)
+    if not (options.output / "verdicts.json").exists():
+        print("\n".join(["the unchanged code could not be checked", *lines]), file=sys.stderr)
         return 2
+    if word == "found":
+        print("the unchanged code has faults with these seeds (mend them): what a mutant does otherwise counts")
     counts: Counter[str] = Counter()
     with ThreadPoolExecutor(options.workers) as pool:
         for mutant, word, seconds in pool.map(lambda each: _met(each, options), mutants):

@@ -56,6 +56,8 @@ def main() -> int:
         plan = (given.seed, given.seconds, given.workers, given.count, given.limit, given.until_fault)
         found = running.run(chosen, *plan, fault, given.reached is not None)
     print(f"seed {given.seed}\n{running.table(chosen, found)}")
+    for one in filter(fault, found) if kept is not None else ():
+        print(f"differs: {one.capability} | {one.index} | {one.verdict}")
     for path in running.write(found, given.o) if given.o else ():
         print(f"wrote {path}")
     if given.verdicts and kept is None:
