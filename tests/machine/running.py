@@ -206,8 +206,14 @@ def is_fault(one: Checked) -> bool:
 
 
 def differs(kept: Mapping[str, str]) -> Callable[[Checked], bool]:
-    """Of a changed program: what the unchanged one was not; kept : its verdicts by capability and index."""
-    return lambda one: one.verdict != kept.get(f"{one.capability} {one.index}", "right")
+    """Of a changed program: what the unchanged one was not; kept : its verdicts by capability and index. Of others a
+    fault counts: some draws are refused by the unchanged program, too."""
+
+    def differing(one: Checked) -> bool:
+        known = kept.get(f"{one.capability} {one.index}")
+        return is_fault(one) if known is None else one.verdict != known
+
+    return differing
 
 
 def run(
