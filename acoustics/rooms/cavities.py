@@ -393,7 +393,10 @@ def cavity_air(cavity: Cavity, first: SurfaceShapes, second: SurfaceShapes, up_t
     layers = cavity.layers
     k, face = first.shapes.shape[1], flat if len(layers) == 2 else flat[:0]
     found = [
-        _fields_of_air(cavity, layers, i, (first, second), face, flat, up_to_hz, finest) for i in range(len(layers))
+        _fields_of_air(
+            cavity, layers, number=i, surfaces=(first, second), face=face, flat=flat, up_to_hz=up_to_hz, finest=finest
+        )
+        for i in range(len(layers))
     ]
     n_boundary = k + len(face)
     counts = [len(one.frequency_hz) for one in found]

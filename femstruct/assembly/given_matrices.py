@@ -81,7 +81,16 @@ def given_matrices(
     translations = (components[:, None] == np.arange(3)).astype(np.float64)
     momentum = np.asarray((_symmetric(f"{where} M", M, n) @ translations).T)
     total_mass = float((momentum * translations.T).sum(axis=1).max())
-    return mapped_matrices(M, K, DofMap(T, labels), points, momentum, total_mass, C, loss_factor)
+    return mapped_matrices(
+        M,
+        K,
+        dofs=DofMap(T, labels),
+        points=points,
+        momentum=momentum,
+        total_mass=total_mass,
+        C=C,
+        loss_factor=loss_factor,
+    )
 
 
 def mapped_matrices(

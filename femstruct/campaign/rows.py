@@ -333,7 +333,16 @@ def _packed(row: Row) -> bytes:
 def _unpacked(design: str, sample: int, case: str, packed: bytes) -> Row:
     numbers, findings, severe, trouble, again = json.loads(zlib.decompress(packed))
     read = {name: Number(nan if value is None else value, unit) for name, (value, unit) in numbers.items()}
-    return Row(sample, case, read, tuple(findings), tuple(severe), trouble, again, tuple(json.loads(design)))
+    return Row(
+        sample,
+        case,
+        numbers=read,
+        findings=tuple(findings),
+        severe=tuple(severe),
+        trouble=trouble,
+        again=again,
+        design=tuple(json.loads(design)),
+    )
 
 
 # ----------------------------------------------------------------------------------------------------------------------

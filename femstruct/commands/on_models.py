@@ -146,11 +146,31 @@ def frf(
 ) -> int:
     """Print frequency responses of a model, or write them to a file. Several drives and responses: each to each."""
     if to is not None or len(drive) * len(response) > 1:
-        return responses(model, drive, response, (band, step, kind, method), to, output, tuple(set_), as_json, verbose)
+        return responses(
+            model,
+            drive,
+            heard=response,
+            asked=(band, step, kind, method),
+            to=to,
+            folder=output,
+            sets=tuple(set_),
+            as_json=as_json,
+            verbose=verbose,
+        )
     from femstruct.workflow.model_answers import frf_of
 
     with progress() as tell:
-        table = frf_of(model, drive[0], response[0], band, step, kind, method, tuple(set_), tell)
+        table = frf_of(
+            model,
+            drive[0],
+            response=response[0],
+            band=band,
+            step=step,
+            kind=kind,
+            method=method,
+            overrides=tuple(set_),
+            progress=tell,
+        )
     if as_json:
         print_json(table)
     else:
@@ -195,7 +215,16 @@ def export(
     refuse_unwritable(output)
     extent = extent_of(count, up_to) if count is not None or up_to else None
     with progress() as tell:
-        written = exported(file, to, output, extent, tuple(set_), as_typed(), tell, data_sets)
+        written = exported(
+            file,
+            to,
+            folder=output,
+            extent=extent,
+            overrides=tuple(set_),
+            command=as_typed(),
+            tell=tell,
+            data_sets=data_sets,
+        )
     paths = [str(path) for path in written]
     if as_json:
         print_json({"written": paths})
@@ -330,9 +359,21 @@ def identify(
         from femstruct.files.writing import refuse_unwritable_file
 
         refuse_unwritable_file(table)
-    files = MeasuredFiles(measured, channel, tuple(modes), tuple(frf), tuple(levels), shapes, band, near, length)
+    files = MeasuredFiles(
+        measured,
+        channel,
+        modes=tuple(modes),
+        frfs=tuple(frf),
+        levels=tuple(levels),
+        shapes=shapes,
+        band=band,
+        near=near,
+        length=length,
+    )
     with progress() as tell:
-        found = identified(file, files, "", fit, delay, case, tuple(set_), tell)
+        found = identified(
+            file, files, channel="", parameters=fit, delay=delay, case=case, overrides=tuple(set_), progress=tell
+        )
     told = found.table()
     _write(told, found.beside, picture, table)
     if as_json:

@@ -57,7 +57,9 @@ def run(
     refuse_unwritable(folder)
     keep = None if replace else on_stderr
     if watch:
-        return watched(study, set_, case, folder, as_json, verbose, not no_pictures, keep)
+        return watched(
+            study, set_, case=case, folder=folder, as_json=as_json, verbose=verbose, pictures=not no_pictures, keep=keep
+        )
     _, result = solved(study, set_, case)
     with progress() as tell:
         seconds, told = write_all(result, folder, tell, not no_pictures, keep)

@@ -79,7 +79,7 @@ def stiffness(
     if nodes_per_bar(kind) == 3:
         return linked.stiffness(*property_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J, ky=ky, kz=kz))
     length, E, G, A, Iy, Iz, J = property_arrays(length=length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J)
-    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+    phi_y, phi_z = shear_parameters(kind, length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
     matrices = np.zeros((len(length), N_DOFS, N_DOFS))
     rod = np.array([[1.0, -1.0], [-1.0, 1.0]])
     matrices[block(_AXIAL)] = (E * A / length)[:, None, None] * rod
@@ -126,7 +126,7 @@ def mass(
     density = densities(rho, length)
     if nodes_per_bar(kind) == 3:
         return linked.mass(length, density, A, Iy, Iz)
-    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+    phi_y, phi_z = shear_parameters(kind, length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
     matrices = np.zeros((len(length), N_DOFS, N_DOFS))
     rod = integral(LINEAR, LINEAR)
     matrices[block(_AXIAL)] = (density * A * length)[:, None, None] * rod
@@ -169,7 +169,7 @@ def interpolate(
     )
     if nodes_per_bar(kind) == 3:
         return linked.interpolate(length, place)
-    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+    phi_y, phi_z = shear_parameters(kind, length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
     rows = np.zeros((len(place), 6, N_DOFS))
     s = powers(place)
     linear = s @ LINEAR.T
@@ -219,8 +219,8 @@ def resultants(
     )
     if nodes_per_bar(kind) == 3:
         ky, kz = (np.broadcast_to(np.asarray(k, dtype=np.float64), place.shape) for k in (ky, kz))
-        return linked.resultants(length, place, E, G, A, Iy, Iz, J, ky, kz)
-    phi_y, phi_z = shear_parameters(kind, length, E, G, A, Iy, Iz, ky, kz)
+        return linked.resultants(length, place, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J, ky=ky, kz=kz)
+    phi_y, phi_z = shear_parameters(kind, length, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
     rows = np.zeros((len(place), 6, N_DOFS))
     rod = np.array([-1.0, 1.0])
     rows[:, 0, _AXIAL] = (E * A / length)[:, None] * rod

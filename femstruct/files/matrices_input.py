@@ -439,4 +439,14 @@ def read_component(
         for one in (*paths, *([] if nodes is None else [Path(nodes)])):
             digest = hashlib.sha256(content(one, LARGEST, _WHAT)).hexdigest()
             sources[str(one)] = f"sha256 {digest}, {len(labels)} degrees of freedom, {len(assembly.points)} nodes\n"
-    return Component(paths[0].name, M, C, K, assembly.dofs.T, assembly.points, assembly.total_mass, labels, **more)
+    return Component(
+        paths[0].name,
+        M,
+        C=C,
+        K=K,
+        motion=assembly.dofs.T,
+        points=assembly.points,
+        mass=assembly.total_mass,
+        labels=labels,
+        **more,
+    )

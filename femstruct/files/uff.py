@@ -264,7 +264,17 @@ def read_uff(path: str | Path, length: float = 1.0) -> Measurement:
         _places(cells, numbers) for cells in (np.reshape(found.traces, (-1, 2)), np.reshape(found.quads, (-1, 4)))
     )
     modes = _modes(found, dict(zip(numbers.tolist(), points, strict=True)))
-    return Measurement(found.title, numbers, points, lines, quads, modes, frfs, histories, tuple(found.notes))
+    return Measurement(
+        found.title,
+        numbers,
+        points=points,
+        lines=lines,
+        quads=quads,
+        modes=modes,
+        frfs=frfs,
+        histories=histories,
+        notes=tuple(found.notes),
+    )
 
 
 def _take(found: _Found, number: int, line: int, content: Set) -> None:

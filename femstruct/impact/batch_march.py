@@ -499,7 +499,17 @@ class Fleet:
         )
         width = ledger_width(system)
         at = columns(len(system.interfaces), len(varied.scene.bodies), width)
-        return Fleet(varied, window, compiled, shared, modes, exact, halvings, late, at)
+        return Fleet(
+            varied,
+            window,
+            compiled=compiled,
+            shared=shared,
+            tables=modes,
+            exact=exact,
+            top_level=halvings,
+            late=late,
+            columns=at,
+        )
 
 
 def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int = 0, spacing: float = 1.0) -> Floats:

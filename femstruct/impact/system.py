@@ -126,7 +126,17 @@ def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = F
             found = under_forces(found, matrix[:, :k])
         system, start = uncoupled(system, start, found)
         scale = np.append(np.ones(system.n_modes), on.scale[k:])
-    return Compiled(system, start, scale, contact_rows, link_rows, n_samples, halvings, matrix, found)
+    return Compiled(
+        system,
+        start,
+        scale=scale,
+        contacts=contact_rows,
+        links=link_rows,
+        n_samples=n_samples,
+        halvings=halvings,
+        rows=matrix,
+        oscillators=found,
+    )
 
 
 def _settle(system: System) -> None:

@@ -336,15 +336,15 @@ class BodySpec(Spec):
         return PlacedBody(
             name,
             self.mass,
-            self.side,
-            self.target,
-            self.start_speed,
-            dropped,
-            law,
-            blows,
-            self.source,
-            self.radius,
-            self.covering.noun() if self.covering is not None else None,
+            side=self.side,
+            target=self.target,
+            speed=self.start_speed,
+            dropped=dropped,
+            law=law,
+            blows=blows,
+            source=self.source,
+            radius=self.radius,
+            covering=self.covering.noun() if self.covering is not None else None,
         )
 
 

@@ -491,7 +491,18 @@ class ClosedSpec(RoomSpec):
         further = {first: tuple(others)} if others else {}
         further |= {wall: further.get(wall, ()) + names for wall, names in moved.items()}
         walls = {wall: names[0] if len(names) == 1 else names for wall, names in further.items()}
-        plan = RoomPlan(name, room, placing, heard, offset, self.coupling, leak, asked, self.levels, self.animate)
+        plan = RoomPlan(
+            name,
+            room,
+            under=placing,
+            receivers=heard,
+            offset=offset,
+            coupling=self.coupling,
+            leak=leak,
+            t60_asked=asked,
+            levels=self.levels,
+            animate=self.animate,
+        )
         made = replace(
             plan,
             walls=walls,

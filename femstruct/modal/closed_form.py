@@ -261,7 +261,16 @@ def given_modes(
     if at:
         places[:, _AXES.index(axis)] = [at.get(name, 0.0) for name in points]
     viscous = np.diag(2.0 * np.asarray(ratio, dtype=np.float64) * omega)
-    return _basis(omega, shapes, places, np.zeros((3, k)), 0.0, 0.0, {}, viscous), _points(tuple(points), places)
+    return _basis(
+        omega,
+        shapes,
+        places=places,
+        momentum=np.zeros((3, k)),
+        total_mass=0.0,
+        complete_below_hz=0.0,
+        outputs={},
+        viscous=viscous,
+    ), _points(tuple(points), places)
 
 
 def _stations(where: str, length: float, modes: int, points: Mapping[str, float] | None) -> Floats:

@@ -288,17 +288,17 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
     return ReducedPart(
         assembly,
         interface,
-        part.quads - part.first,
-        part.lines - part.first,
-        np.zeros((0, 3)) if axes is None else axes,
-        part.girth,
-        part.depth,
-        part.beside(part.nodes),
-        loss,
-        _reduced_shares(shares, reduced),
-        reduced,
-        sets,
-        tuple(one.name for one in model.structure.supports if one.name in sets),
+        quads=part.quads - part.first,
+        lines=part.lines - part.first,
+        axes=np.zeros((0, 3)) if axes is None else axes,
+        girth=part.girth,
+        depth=part.depth,
+        beside=part.beside(part.nodes),
+        loss_factor=loss,
+        shares=_reduced_shares(shares, reduced),
+        reduced=reduced,
+        sets=sets,
+        supports=tuple(one.name for one in model.structure.supports if one.name in sets),
     )
 
 

@@ -183,13 +183,13 @@ def flat_cells(mesh: ImportedMesh, named: str | None) -> FlatCells:
     return FlatCells(
         points,
         np.where(used < len(mesh.points), used, -1),
-        np.where(flip_quads[:, None], quads[:, [0, 3, 2, 1]], quads),
-        np.where(flip_triangles[:, None], triangles[:, [0, 2, 1]], triangles),
-        np.concatenate(kinds),
-        np.concatenate(cells),
-        turned,
-        patches,
-        two_sided,
+        quads=np.where(flip_quads[:, None], quads[:, [0, 3, 2, 1]], quads),
+        triangles=np.where(flip_triangles[:, None], triangles[:, [0, 2, 1]], triangles),
+        kinds=np.concatenate(kinds),
+        cells=np.concatenate(cells),
+        turned=turned,
+        patches=patches,
+        two_sided=two_sided,
     )
 
 

@@ -466,12 +466,12 @@ def imported(source: str, found: Gathered, scale: float) -> ImportedMesh:
     return ImportedMesh(
         source,
         found.points * scale,
-        found.nodes,
-        {kind: one[lone[kind]] for kind, one in cells.items()},
-        {kind: block.numbers[lone[kind]] for kind, block in blocks.items()},
-        {name: np.unique(_rows(nodes, rows, some, "node")) for name, some in found.node_sets.items()},
-        sets,
-        _in_rows(found.stated, nodes, rows, scale),
+        numbers=found.nodes,
+        cells={kind: one[lone[kind]] for kind, one in cells.items()},
+        cell_numbers={kind: block.numbers[lone[kind]] for kind, block in blocks.items()},
+        node_sets={name: np.unique(_rows(nodes, rows, some, "node")) for name, some in found.node_sets.items()},
+        cell_sets=sets,
+        stated=_in_rows(found.stated, nodes, rows, scale),
         merged=sum(len(cells[kind]) - len(one) for kind, one in lone.items()),
         scale=scale,
     )

@@ -334,13 +334,15 @@ def mesh_structure(structure: Structure) -> Model:
             first += len(meshed.places)
     mesh = _mesh_of(parts)
     points = _points(structure.points, parts, tolerance)
-    bare = Model(structure, mesh, parts, (), (), (), points, {})
+    bare = Model(structure, mesh, parts=parts, elastics=(), inerts=(), ties=(), points=points, surfaces={})
     elastics, inerts, ties = _fastened(structure, bare, tolerance)
     surfaces = {
         item.name: _part_of(f"surfaces.{item.name}.on", item.on, parts).surface(item, mesh.n_nodes, tolerance)
         for item in structure.surfaces
     }
-    return Model(structure, mesh, parts, elastics, inerts, ties, points, surfaces)
+    return Model(
+        structure, mesh, parts=parts, elastics=elastics, inerts=inerts, ties=ties, points=points, surfaces=surfaces
+    )
 
 
 def _mesh_of(parts: Mapping[str, Meshed]) -> Mesh:

@@ -259,8 +259,8 @@ class FrameMesh(Meshed):
         part, (E, G, section), lengths = self.part, self.part.along, self.lengths
         A, Iy, Iz, ky, kz = section.A, section.Iy, section.Iz, section.ky, section.kz
         local = (
-            frame.stiffness(part.element, lengths, E, G, A, Iy, Iz, section.J, ky, kz),
-            frame.mass(part.element, lengths, part.material.rho, A, Iy, Iz, ky, kz, E, G),
+            frame.stiffness(part.element, lengths, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=section.J, ky=ky, kz=kz),
+            frame.mass(part.element, lengths, rho=part.material.rho, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz, E=E, G=G),
         )
         of_bars = numbers[self.bars - self.first].reshape(len(self.bars), -1)
         at_nodes = [
@@ -280,14 +280,14 @@ class FrameMesh(Meshed):
         local = frame.interpolate(
             part.element,
             self.lengths[bars],
-            shares,
-            E,
-            G,
-            section.A,
-            section.Iy,
-            section.Iz,
-            section.ky,
-            section.kz,
+            xi=shares,
+            E=E,
+            G=G,
+            A=section.A,
+            Iy=section.Iy,
+            Iz=section.Iz,
+            ky=section.ky,
+            kz=section.kz,
         )
         turn = members.rotation(self.axes[bars], 1)
         return self.bars[bars], self._on_nodes(np.swapaxes(turn, -1, -2) @ local, bars)
@@ -324,7 +324,9 @@ class FrameMesh(Meshed):
         `femstruct.elements.frame.resultants`, from the components of their nodes."""
         part, (E, G, section) = self.part, self.part.along
         A, Iy, Iz, J, ky, kz = section.A, section.Iy, section.Iz, section.J, section.ky, section.kz
-        local = frame.resultants(part.element, self.lengths[bars], shares, E, G, A, Iy, Iz, J, ky, kz)
+        local = frame.resultants(
+            part.element, self.lengths[bars], xi=shares, E=E, G=G, A=A, Iy=Iy, Iz=Iz, J=J, ky=ky, kz=kz
+        )
         return self._on_nodes(local, bars)
 
     def stresses(self, n_nodes: int) -> StressPlaces:
@@ -364,7 +366,7 @@ class FrameMesh(Meshed):
         found = np.einsum("pikc,pkc->pi", rows[:, :3], displacement[nodes])
         A, Iy, Iz, ky, kz = section.A, section.Iy, section.Iz, section.ky, section.kz
         load, lengths = weight * self._load()[bars, :, UZ], self.lengths[bars]
-        sagged = deflection(part.element, load, lengths, shares, E, G, A, Iy, Iz, ky, kz)
+        sagged = deflection(part.element, load, length=lengths, place=shares, E=E, G=G, A=A, Iy=Iy, Iz=Iz, ky=ky, kz=kz)
         return np.asarray(found + np.einsum("pi,pij->pj", sagged, self.axes[bars]))
 
     def _looked_at(self) -> tuple[Integers, Floats]:
@@ -547,7 +549,17 @@ class Frame(Part):
         except InputError as error:
             raise InputError(f"parts.{self.name}.{error.where}", got=error.got, expected=error.expected) from error
         covering = layout.covering.get(self.name, 0.0)
-        return FrameMesh(self, first, points, first + bars, ends[:, 0], ends[:, 1], arms, axes, covering)
+        return FrameMesh(
+            self,
+            first,
+            stands=points,
+            bars=first + bars,
+            start=ends[:, 0],
+            end=ends[:, 1],
+            arms=arms,
+            axes=axes,
+            covering=covering,
+        )
 
 
 def _merged(places: Floats, tolerance: float) -> tuple[Floats, Integers]:

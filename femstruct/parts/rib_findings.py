@@ -123,7 +123,18 @@ def rib_lines(plate: Face, joint: Joint, model: Model) -> list[RibLine]:
         across = float(along[0] * ends[first, 0, 1] - along[1] * ends[first, 0, 0])
         arm = float(arms[bars][np.argmax(np.abs(arms[bars]))])
         step = spacing[bars]
-        lines.append(RibLine(frame, joint, along, across, arm, float(step.min()), float(step.sum()), frame.axes[first]))
+        lines.append(
+            RibLine(
+                frame,
+                joint,
+                along=along,
+                across=across,
+                arm=arm,
+                spacing=float(step.min()),
+                length=float(step.sum()),
+                axes=frame.axes[first],
+            )
+        )
     return lines
 
 

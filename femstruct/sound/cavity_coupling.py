@@ -280,7 +280,7 @@ def _bays(
             raise InputError(f"{where}.width", got=f"{width:g} m", expected=f"less than a bay of {end - start:.4g} m")
         floor, roof = low.copy(), high.copy()
         floor[axis], roof[axis] = low[axis] + start, low[axis] + end
-        found.append(_bay(between, name, pair, local, floor, roof, axis, clear))
+        found.append(_bay(between, name, pair=pair, local=local, low=floor, high=roof, axis=axis, clear=clear))
     return found
 
 

@@ -87,7 +87,16 @@ def power_per_force(
         power=2 * power,
         efficiency=np.divide(power, plane, out=np.full_like(power, np.nan), where=plane > 0),
         put_in=(drive.of(basis.shapes) @ moving).real,
-        pattern=radiation_pattern(points, weights, shapes, rates, shown, air, room.first.normal, room.first.along),
+        pattern=radiation_pattern(
+            points,
+            weights,
+            shapes=shapes,
+            rates=rates,
+            frequency_hz=shown,
+            air=air,
+            normal=room.first.normal,
+            along=room.first.along,
+        ),
     )
     return answer, (*_coarse(weights, air, float(frequency_hz.max())), *_beyond(basis, float(frequency_hz.max())))
 
@@ -110,7 +119,14 @@ def radiated_by(
         energy,
         end.structure + end.lost_modes,
         radiation_pattern(
-            moving.points, moving.weights, moving.shapes, rates, shown, air, room.first.normal, room.first.along
+            moving.points,
+            moving.weights,
+            shapes=moving.shapes,
+            rates=rates,
+            frequency_hz=shown,
+            air=air,
+            normal=room.first.normal,
+            along=room.first.along,
         ),
     )
     return found, (*energy.findings, *_modes_missing(whole, response.basis))

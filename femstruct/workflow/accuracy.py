@@ -309,4 +309,15 @@ def _largest(values: Floats) -> float:
 
 def _complete(rule: AccuracyRule) -> AccuracyCheck:
     """Of a structure whose basis holds every mode there is: nothing is left out."""
-    return AccuracyCheck(rule.within, rule.band, 0.0, np.inf, np.inf, np.inf, 0, {}, True, "")
+    return AccuracyCheck(
+        rule.within,
+        rule.band,
+        window=0.0,
+        smaller_hz=np.inf,
+        larger_hz=np.inf,
+        used_hz=np.inf,
+        used_modes=0,
+        deviations={},
+        holds=True,
+        stopped="",
+    )

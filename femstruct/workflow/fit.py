@@ -486,7 +486,17 @@ def fitted(
         x, rest = found.x, found.fun
     there = derivatives(x)
     refuse_unseen(names, there, size)
-    return judged(parameters, x, rest, there, size, known, confidence, runs, numbers(x))
+    return judged(
+        parameters,
+        x,
+        left=rest,
+        jacobian=there,
+        size=size,
+        known=known,
+        confidence=confidence,
+        runs=runs,
+        numbers=numbers(x),
+    )
 
 
 def _truncated(

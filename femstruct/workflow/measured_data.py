@@ -237,7 +237,18 @@ class ModesDatum(Datum):
         macs = [f", MAC {value:.2f}" if self.modes is not None else "" for value in pairs.mac]
         notes = tuple(f"mode {i + 1}{mac}" for i, mac in zip(pairs.partner.tolist(), macs, strict=True))
         along, computed = np.arange(1.0, 1.0 + len(self.frequency_hz)), moded.undamped.frequency_hz[pairs.partner]
-        return (Beside("modes", self.name, "Hz", along, self.frequency_hz, computed, self.scatter, notes),)
+        return (
+            Beside(
+                "modes",
+                self.name,
+                unit="Hz",
+                along=along,
+                measured=self.frequency_hz,
+                computed=computed,
+                scatter=self.scatter,
+                notes=notes,
+            ),
+        )
 
     def findings(self, first: Trial, last: Trial) -> tuple[Finding, ...]:
         before, after = self._pairs(first), self._pairs(last)
@@ -376,12 +387,12 @@ def read_modes(path: Path, scatter: float | None, shapes: float, near: float, le
         return ModesDatum(
             path.name,
             scatter is not None,
-            frequency,
-            (scatter or USUAL_FREQUENCY) * frequency,
-            modes,
-            None,
-            shapes,
-            near,
+            frequency_hz=frequency,
+            scatter=(scatter or USUAL_FREQUENCY) * frequency,
+            modes=modes,
+            numbers=None,
+            shapes=shapes,
+            near=near,
         )
     if shapes:
         raise InputError("--shapes", got=f"'{path}', which has none", expected="a universal file with modes")
@@ -390,7 +401,16 @@ def read_modes(path: Path, scatter: float | None, shapes: float, near: float, le
         raise InputError("--modes", got=f"'{path}' with a column of its scatter, and +-", expected="one of them")
     own = table.scatter if table.scatter is not None else (scatter or USUAL_FREQUENCY) * table.frequency_hz
     known = table.scatter is not None or scatter is not None
-    return ModesDatum(path.name, known, table.frequency_hz, own, None, table.numbers, 0.0, near)
+    return ModesDatum(
+        path.name,
+        known,
+        frequency_hz=table.frequency_hz,
+        scatter=own,
+        modes=None,
+        numbers=table.numbers,
+        shapes=0.0,
+        near=near,
+    )
 
 
 def _elastic(modes: MeasuredModes) -> MeasuredModes:

@@ -519,7 +519,9 @@ def _ensemble(
     if found is not None:  # air of cavities, frames of wool and their heat do not move the room's surface
         modes = modes[surface.shapes[:, modes].any(axis=0)]
     surface = SurfaceShapes(surface.points, surface.weights, surface.shapes[:, modes])
-    motions, moved = _motions(drops, rows, basis, modes, found, s, plan.ensemble * SETS, window)
+    motions, moved = _motions(
+        drops, rows, basis=basis, modes=modes, found=found, s=s, sets=plan.ensemble * SETS, window=window
+    )
     every = BETWEEN_BLOWS if window is None else window[1] - window[0]
     members, corrections = [], []
     for factors in drawn_sides(plan.ensemble, rng):

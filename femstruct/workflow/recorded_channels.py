@@ -788,7 +788,16 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
             alone = None if true.all() else (in_modes * true) @ q
             open_share = uneven(stressed)
             axes = None if rows.axes is None else rows.axes[0]
-            one = counted_on_planes(request.of, in_modes @ q, names, request.sn, where, alone, open_share, axes)
+            one = counted_on_planes(
+                request.of,
+                in_modes @ q,
+                components=names,
+                line=request.sn,
+                place=where,
+                alone=alone,
+                uneven=open_share,
+                axes=axes,
+            )
         else:
             what, row = motions.get(request.of, ("", None))
             alone = None if row is None else moved(response, what, row * true)

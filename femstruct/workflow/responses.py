@@ -383,7 +383,16 @@ def random_fatigues(
             stresses = stress_components(basis, shaken, rows, 0, lines)
             axes = None if rows.axes is None else rows.axes[0]
             fatigue = expected_on_planes(
-                of, stresses, rows.components, level, lines, one.duration, sn, name, share, axes
+                of,
+                stresses,
+                components=rows.components,
+                psd=level,
+                frequency_hz=lines,
+                duration=one.duration,
+                line=sn,
+                place=name,
+                uneven=share,
+                axes=axes,
             )
             told[request.name] = replace(fatigue, converged=not share)
         else:

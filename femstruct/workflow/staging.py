@@ -200,12 +200,12 @@ class _Stage:
         return Link(
             planned.name,
             upper,
-            lower,
-            planned.stiffness,
-            planned.closing,
-            planned.opening,
-            planned.release_at,
-            planned.preload,
+            lower=lower,
+            stiffness=planned.stiffness,
+            closing=planned.closing,
+            opening=planned.opening,
+            release_at=planned.release_at,
+            preload=planned.preload,
         )
 
     def loads(self) -> tuple[Load, ...]:
