@@ -146,30 +146,13 @@ def frf(
 ) -> int:
     """Print frequency responses of a model, or write them to a file. Several drives and responses: each to each."""
     if to is not None or len(drive) * len(response) > 1:
-        return responses(
-            model,
-            drive,
-            heard=response,
-            asked=(band, step, kind, method),
-            to=to,
-            folder=output,
-            sets=tuple(set_),
-            as_json=as_json,
-            verbose=verbose,
-        )
+        asked = band, step, kind, method
+        return responses(model, drive, response, asked, to, output, sets=tuple(set_), as_json=as_json, verbose=verbose)
     from femstruct.workflow.model_answers import frf_of
 
     with progress() as tell:
         table = frf_of(
-            model,
-            drive[0],
-            response=response[0],
-            band=band,
-            step=step,
-            kind=kind,
-            method=method,
-            overrides=tuple(set_),
-            progress=tell,
+            model, drive[0], response[0], band, step, kind=kind, method=method, overrides=tuple(set_), progress=tell
         )
     if as_json:
         print_json(table)
@@ -360,15 +343,7 @@ def identify(
 
         refuse_unwritable_file(table)
     files = MeasuredFiles(
-        measured,
-        channel,
-        modes=tuple(modes),
-        frfs=tuple(frf),
-        levels=tuple(levels),
-        shapes=shapes,
-        band=band,
-        near=near,
-        length=length,
+        measured, channel, tuple(modes), tuple(frf), tuple(levels), shapes=shapes, band=band, near=near, length=length
     )
     with progress() as tell:
         found = identified(

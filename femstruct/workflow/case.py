@@ -428,16 +428,8 @@ def run_case(
     if study.time is not None:
         refuse_absent_forces(study, basis)
         timed = partial(clock, case=case.name)
-        struck = strike(
-            case.drops or {"": study},
-            study.time,
-            places=own.places,
-            basis=basis,
-            vacuo=vacuo,
-            stage=timed,
-            transfers=transfers,
-            estimated=estimated,
-        )
+        studies, places = case.drops or {"": study}, own.places
+        struck = strike(studies, study.time, places, basis, vacuo, timed, transfers=transfers, estimated=estimated)
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
         drops = _drops(case, struck, own.places)
         with clock("levels", case.name):

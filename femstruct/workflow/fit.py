@@ -486,17 +486,8 @@ def fitted(
         x, rest = found.x, found.fun
     there = derivatives(x)
     refuse_unseen(names, there, size)
-    return judged(
-        parameters,
-        x,
-        left=rest,
-        jacobian=there,
-        size=size,
-        known=known,
-        confidence=confidence,
-        runs=runs,
-        numbers=numbers(x),
-    )
+    last = numbers(x)
+    return judged(parameters, x, rest, there, size, known, confidence=confidence, runs=runs, numbers=last)
 
 
 def _truncated(
