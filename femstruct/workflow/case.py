@@ -427,9 +427,8 @@ def run_case(
     shares, drops, rated, evaluations = None, dict[str, Drop](), {}, nothing_evaluated()
     if study.time is not None:
         refuse_absent_forces(study, basis)
-        timed = partial(clock, case=case.name)
-        studies, places = case.drops or {"": study}, own.places
-        struck = strike(studies, study.time, places, basis, vacuo, timed, transfers=transfers, estimated=estimated)
+        studies, timed = case.drops or {"": study}, partial(clock, case=case.name)
+        struck = strike(studies, study.time, own.places, basis, vacuo, timed, transfers=transfers, estimated=estimated)
         whole = next(iter(struck.values()))  # of the other drops only numbers are kept
         drops = _drops(case, struck, own.places)
         with clock("levels", case.name):

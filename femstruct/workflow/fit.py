@@ -486,8 +486,7 @@ def fitted(
         x, rest = found.x, found.fun
     there = derivatives(x)
     refuse_unseen(names, there, size)
-    last = numbers(x)
-    return judged(parameters, x, rest, there, size, known, confidence=confidence, runs=runs, numbers=last)
+    return judged(parameters, x, rest, there, size, known, confidence=confidence, runs=runs, numbers=numbers(x))
 
 
 def _truncated(
