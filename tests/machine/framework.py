@@ -166,8 +166,9 @@ def capabilities() -> dict[str, Capability]:
 
 def as_yaml(model: Model) -> str:
     """The text of a model's file."""
-    text = io.StringIO()
-    YAML(typ="safe", pure=True).dump(_plain(model), text)
+    text, yaml = io.StringIO(), YAML(typ="safe", pure=True)
+    yaml.width = 10**9  # a key with a blank, such as "50.4 Hz", that is broken over lines, is no YAML
+    yaml.dump(_plain(model), text)
     return text.getvalue()
 
 
