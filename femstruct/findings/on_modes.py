@@ -140,6 +140,7 @@ LOSSES: Final = (
 _STRIPS: Final = "three-dimensional solids, tests/analytic/test_plates_that_stretch.py"
 _MINDLIN: Final = "estimated as of a Mindlin plate, doi:10.1115/1.4010217"
 
+_ROUNDED: Final = "tests/end_to_end/test_structural_findings.py: a slab on springs with lines 0.1 to 1 mm apart"
 MODES: Final = (
     Entry(
         "wide-ribs",
@@ -165,6 +166,20 @@ MODES: Final = (
         LIMITS,
         "the first 30 modes of a model do not converge, and the first 10 or 3 do",
         "Nothing, where the modes that are shown are enough. Otherwise look for masses or stiffnesses in a wrong unit.",
+    ),
+    Entry(
+        "lost-in-rounding",
+        "Frequencies are uncertain, because what holds a mode is lost in the rounding of something far stiffer.",
+        LIMITS,
+        "the strain energy of a mode that is not rigid is so small beside the terms it is summed from that their "
+        "rounding changes its frequency by more than the threshold",
+        "Look for grid lines of a plate that nearly meet (points, edges of regions and joints a millimetre apart give "
+        "narrow cells: let them meet or leave more room), and for a size or modulus in a wrong unit.",
+        (
+            Threshold(1e-3, "of a frequency", "less is below other errors", _ROUNDED, "reduction.NOTABLE"),
+            Threshold(1e-2, "of a frequency", "the usual error of a mesh", _ROUNDED, "reduction.SEVERE", forbids=True),
+        ),
+        forbids="the frequency is uncertain by more than 1 %",
     ),
     Entry(
         "coarse-mesh",

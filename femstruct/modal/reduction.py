@@ -21,12 +21,15 @@ from femstruct.modal.by_frequency import (
     wall_findings,
     wall_shares,
 )
-from femstruct.modal.eigen import Modes, modes
+from femstruct.modal.eigen import Modes, modes, relative_energy
 from femstruct.modal.residuals import AXES, convergence, force_rows, nodal_shapes, projected, residual_vectors
 from femstruct.model.probe import Probe
 
 _GAIN = 1e-6  # of the largest damping of a motion: matrices in single precision leave 1e-7
 _CAPTURED = 0.9  # of the mass: the share below which a direction counts as cut short
+_ROUNDING = 1e-16  # of the terms that a strain energy is summed from: what is measured at most (`eigen.UNSTRAINED`)
+NOTABLE = 1e-3  # of a frequency
+SEVERE = 1e-2
 
 
 def modal_basis(
@@ -116,7 +119,11 @@ def modal_basis(
         complete_below_hz=complete_below_hz,
         momentum=momentum,
         total_mass=assembly.total_mass,
-        findings=_truncation(assembly, momentum[:, :n_modes] ** 2, values[:n_modes], complete_below_hz) + of_walls,
+        findings=(
+            *_truncation(assembly, momentum[:, :n_modes] ** 2, values[:n_modes], complete_below_hz),
+            *of_walls,
+            *_rounded(assembly, found),
+        ),
         grounded=assembly.grounded,
     )
 
@@ -207,3 +214,23 @@ def _truncation(
         "through the residual vectors, and to supports, which cannot move."
     )
     return (Finding("modal-mass-low", message, values),)
+
+
+def _rounded(assembly: Assembly, found: Modes) -> tuple[Finding, ...]:
+    """A finding if rounding of K changes an elastic frequency: of the strain energy by `_ROUNDING` of its terms."""
+    elastic = slice(found.n_rigid, None)
+    share = relative_energy(assembly.K, found.shapes[:, elastic])
+    uncertain = np.divide(_ROUNDING / 2.0, share, out=np.full_like(share, np.inf), where=share > 0)
+    if not uncertain.max(initial=0.0) > NOTABLE:
+        return ()
+    worst = int(np.argmax(uncertain))
+    hz = float(np.sqrt(found.eigenvalues[elastic][worst])) / (2.0 * np.pi)
+    largest = int(np.argmax(assembly.K.diagonal()))
+    how = f"by {uncertain[worst]:.1%}" if uncertain[worst] < 1.0 else "altogether"
+    message = (
+        f"The mode at {hz:.4g} Hz is uncertain {how}: what resists it is lost in the rounding of the largest, "
+        f"{assembly.dofs.labels[largest]}. Let grid lines of plates that nearly meet (of points, edges of regions, "
+        "joints) meet, or leave more room between them"
+    )
+    values = {"uncertain": min(float(uncertain[worst]), 1.0), "frequency_hz": hz}
+    return (Finding("lost-in-rounding", message, values, severe=bool(uncertain[worst] > SEVERE)),)

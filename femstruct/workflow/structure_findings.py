@@ -384,7 +384,8 @@ def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravi
             "mechanism",
             f"{extra} of the {basis.n_rigid} modes at 0 Hz are not rigid-body motions of the structure or of a piece: "
             "parts slide or turn on each other without resistance, as on a layer or spring without stiffness in that "
-            "direction" + (". Gravity sets one of them in motion" if falls else ""),
+            "direction, or grid lines nearly meet, so that what resists is lost in rounding"
+            + (". Gravity sets one of them in motion" if falls else ""),
             {"mechanisms": extra, "rigid_modes": basis.n_rigid},
             severe=falls,
         )

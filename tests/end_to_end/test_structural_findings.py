@@ -230,6 +230,31 @@ def test_a_layer_without_stiffness_in_a_direction_is_a_mechanism_and_no_nan(pad:
     assert found.values == {"mechanisms": 3, "rigid_modes": 3}
 
 
+ON_SPRINGS = """
+materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}}
+parts:
+  slab: {type: plate, material: concrete, thickness: 0.2, origin: [0,0,0], size: [1.9,1.8],
+         mesh: [6,6], in_plane: rigid}
+  load: {type: mass, on: slab, mass: 32 kg/m^2, region: {rectangle: [1.016, 0.697], at: [0.698, 0.635]}}
+  ka: {type: spring, between: [a, ground], stiffness: {x: 1e5, y: 1e5, z: 1e5}}
+  kb: {type: spring, between: [b, ground], stiffness: {x: 1e5, y: 1e5, z: 1e5}}
+  kc: {type: spring, between: [c, ground], stiffness: {x: 1e5, y: 1e5, z: 1e5}}
+points:
+  a: {on: slab, at: [AT, 0.275]}
+  b: {on: slab, at: [1.617, 0.183]}
+  c: {on: slab, at: [0.571, 1.65]}
+"""
+
+
+@pytest.mark.parametrize(("at", "severe"), [("0.19", []), ("0.2", []), ("0.1903", [True]), ("0.1901", [True])])
+def test_lines_of_a_plate_that_nearly_meet_are_told(at: str, severe: list[bool], tmp_path: Path) -> None:
+    """Cells of 0.1 mm beside springs: 1.65 Hz became 0 Hz, 2.56 Hz became 2.36 Hz, told as a mechanism."""
+    (tmp_path / "slab.yaml").write_text(ON_SPRINGS.replace("AT", at), encoding="utf-8")
+    basis = solve(read_model_file(tmp_path / "slab.yaml").structure, Extent(count=6)).basis
+    assert [one.severe for one in told(basis.findings, "lost-in-rounding")] == severe
+    assert bool(severe) == (basis.n_rigid > 0)
+
+
 def test_springs_of_a_thousandth_sag_far(tmp_path: Path) -> None:
     soft = "parts.isolators.stiffness={x: 7.7 kN/m, y: 7.7 kN/m, z: 11 kN/m}"
     for gravity in ("true", "false"):  # the slip of a unit is one without weight, too
