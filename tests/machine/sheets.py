@@ -337,8 +337,10 @@ def _support(form: Form, said: Mapping[str, Any]) -> None:
     sheet = form.sheets[name]
     panel = sheet.panel
     edge = said.get("edge") or _SIDES.get(said.get("set", ""))
-    if isinstance(said.get("fix"), list):
-        return  # in the plane of a plate, which is rigid there
+    if isinstance(said.get("fix"), list):  # along its plane, of all nodes; a plate that is rigid there has neither
+        x, y, _ = panel.points()
+        panel.held += [panel.rows(x, y, one) for one in (U, V)]
+        return
     if "line" in said:
         local, _ = _along(panel, np.array(said["line"], float))
         panel.held.append(panel.rows(*local.T, W))

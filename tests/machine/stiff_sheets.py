@@ -49,7 +49,7 @@ def _sheet(rng: np.random.Generator, kind: str, times: float = 1.0) -> Draft:
     q = [between(rng, 0.05 * a, 0.2 * a), between(rng, 0.05 * b, 0.4 * b)]
     d = [between(rng, 0.75 * a, 0.95 * a), between(rng, 0.6 * b, 0.95 * b)]
     return {
-        "materials": {"m": {"E": 2e12, "nu": 0.3, "rho": between(rng, 1500, 8000)}},
+        "materials": {"m": {"E": 2e13, "nu": 0.3, "rho": between(rng, 1500, 8000)}},
         "parts": {"p": part},
         "points": {"q": {"on": "p", "at": q}, "d": {"on": "p", "at": d}},
         "damping": {"ratio": 0.02},
