@@ -19,7 +19,6 @@ from tests.machine.framework import Case, Door, Model
 Draft = dict[str, Any]
 ANSWERS: Final = ("modes", "losses", "statics", "frf", "vibration")
 _LAWS: Final = ("ratio", "loss_factor", "rayleigh")
-_COUNT: Final = 3
 _FOLD: Final = {"receptance": 0, "mobility": 1, "accelerance": 2}
 Ask = Callable[[Model], Floats]
 
@@ -40,7 +39,7 @@ class Subject:
     from meshes; accuracy : of natural frequencies, relative; at_rest : of answers at rest, where it is another; aside :
     findings that do not count; pushed : at rest too, where the form must be right beside a force; beside : files and
     models that a model takes; first : commands before what is asked; reach : how many times the first mode modes of
-    a shaken base go up to; still : modes at rest, of what nothing holds.
+    a shaken base go up to; still : modes at rest, of what nothing holds; count : of modes that are compared.
     """
 
     draft: Draft
@@ -59,6 +58,7 @@ class Subject:
     first: tuple[tuple[str, ...], ...] = ()
     reach: float = 30.0
     still: int = 0
+    count: int = 3
 
     def ask(self, door: Door, model: Model, *command: str) -> dict[str, Any]:
         """An answer of the program."""
@@ -112,7 +112,7 @@ def _modes(rng: np.random.Generator, one: Subject) -> Case:
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = one.ask(door, finer, "modes", "--count", str(_COUNT + one.still))
+            found = one.ask(door, finer, "modes", "--count", str(one.count + one.still))
             own, masses = np.array(found["frequency_hz"]), np.array([found["modal_mass_kg"][axis] for axis in "xyz"])
             return np.r_[own[own > 1e-3], 1 + _weighted(own[own > 1e-3], masses[:, own > 1e-3].T) / most]
 
@@ -122,8 +122,8 @@ def _modes(rng: np.random.Generator, one: Subject) -> Case:
 
     def right(model: Model, _: Door) -> Floats:
         form = one.form(model)
-        own = form.modes(_COUNT)[0]
-        return np.r_[own, 1 + _weighted(own, _modal_masses(form)[:_COUNT]) / most]
+        own = form.modes(one.count)[0]
+        return np.r_[own, 1 + _weighted(own, _modal_masses(form)[: one.count]) / most]
 
     return Case(one.draft, asked, right, one.accuracy, one.reason, one.knobs, each=True)
 
@@ -149,7 +149,7 @@ def _losses(rng: np.random.Generator, one: Subject) -> Case:
 
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
-            found = one.ask(door, finer, "modes", "--count", str(_COUNT + one.still))
+            found = one.ask(door, finer, "modes", "--count", str(one.count + one.still))
             return 2 * np.array(found["damping_ratio"])[np.array(found["frequency_hz"]) > 1e-3]
 
         answer = one.refine(model, ask)
@@ -157,7 +157,7 @@ def _losses(rng: np.random.Generator, one: Subject) -> Case:
         return answer
 
     def right(model: Model, _: Door) -> Floats:
-        return one.form(model).losses(_COUNT)
+        return one.form(model).losses(one.count)
 
     return Case(one.draft, asked, right, 2 * one.accuracy, one.reason + "; shares of energy", one.knobs, each=True)
 
@@ -170,14 +170,14 @@ def _poles(one: Subject) -> Case:
     def asked(model: Model, door: Door) -> Floats:
         def ask(finer: Model) -> Floats:
             found = one.ask(door, finer, "modes", "--complex", "--up-to", f"{upto} Hz")
-            return np.r_[np.array(found["frequency_hz"])[:_COUNT] / upto, found["damping_ratio"][:_COUNT]]
+            return np.r_[np.array(found["frequency_hz"])[: one.count] / upto, found["damping_ratio"][: one.count]]
 
         answer = one.refine(model, ask)
         one.clear(door)
         return answer
 
     def right(model: Model, _: Door) -> Floats:
-        poles = one.form(model).poles(_COUNT, law_of(model))
+        poles = one.form(model).poles(one.count, law_of(model))
         return np.r_[abs(poles) / 2 / pi / upto, -poles.real / abs(poles)]
 
     return Case(one.draft, asked, right, one.accuracy, one.reason, one.knobs)

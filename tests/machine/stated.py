@@ -215,7 +215,10 @@ def _grids(rng: np.random.Generator, plate: Plate, systems: _Systems, held: Mapp
         number = at + 1
         # what a system by nodes stands on is in the basic one or in one by points
         system = (0, 1, 2, 3, 4, 5, 6, 7)[at % (4 if number in systems.by_nodes else 8)]
-        words = [f"{one:16.9E}" if abs(one) < 1e-4 else f"{one:16.12f}" for one in systems.into(system, place)]
+        words = [
+            f"{one:16.9E}" if abs(one) < 1e-4 else f"{one:16.12f}" if one > -100.0 else f"{one:16.11f}"
+            for one in systems.into(system, place)
+        ]  # of 16 characters, angles beyond -100 degrees, too
         shown = f"{'' if system == 2 else system!s:>16}" if system != 2 else " " * 16
         moving, fixed = ("", held.get(number, ""))
         lines.append(f"GRID*   {number:16d}{shown}{words[0]}{words[1]}*A{at}")
