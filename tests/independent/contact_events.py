@@ -241,18 +241,18 @@ class Path:
         which = np.minimum(np.searchsorted(ends, times, side="left"), len(ends) - 1)
         return np.array([_felt(self, which[i], number, t) for i, t in enumerate(times)])
 
-    def peak(self, name: str) -> float:
-        """Largest force of a contact."""
-        return self._top(name)[0]
+    def peak(self, name: str, since: float = 0.0, until: float = np.inf) -> float:
+        """Largest force of a contact, between two times at which segments end."""
+        return self._top(name, since, until)[0]
 
     def peak_time(self, name: str) -> float:
         """When it is largest; 0 of one that never pushes."""
         return self._top(name)[1]
 
-    def _top(self, name: str) -> tuple[float, float]:
+    def _top(self, name: str, since: float = 0.0, until: float = np.inf) -> tuple[float, float]:
         number, most = next(i for i, one in enumerate(self.chain.touches) if one.name == name), (0.0, 0.0)
         for index, (_, on, _, t0, t1) in enumerate(self.segments):
-            if not on[number] or not t1 > t0:
+            if not on[number] or not t1 > t0 or t0 < since or t1 > until:
                 continue
             times = np.linspace(t0, t1, 201)
             felt = np.array([_felt(self, index, number, t) for t in times])

@@ -182,3 +182,59 @@ def _(rng: np.random.Generator) -> Case:
         return _cut(rng, model)
 
     return _case(draw)
+
+
+# ---- blow by blow
+
+_COLUMNS = ("t_s", "input_j", "impulse_ns", "peak_force_n", "closings", "structure_largest_j", "structure_left_j",
+            "rest_after_s", "interval_s", "held_force_n")  # fmt: skip
+
+
+def _blow_sizes(model: Model) -> Floats:
+    """Of each column."""
+    path, (energy, _), end = path_of(model), _sizes(model), _end_of(model)
+    impulse = 2 * path.chain.bodies["a"] * abs(path.chain.start["a"])
+    force = max(path.peak(one.name) for one in path.chain.touches)
+    return np.array([end, energy, impulse, force, 10.0, energy, energy, end, end, force])
+
+
+def blows(model: Model, door: Door) -> Floats:
+    found = answered(model, door)["blows"]["a"]
+    door.told.clear()  # as above
+    table = np.array([[one or 0.0 for one in found[key]] for key in _COLUMNS])
+    return np.asarray((table / _blow_sizes(model)[:, None]).ravel())
+
+
+def blows_right(model: Model, _: Door | None = None, rtol: float = 1e-11) -> Floats:
+    path, end, rate = path_of(model, rtol), _end_of(model), float(model["study"]["time"]["sampling"])
+    (again,), touch, modes, n = path.chain.again, path.chain.touches[0], len(path.chain.omega), path.chain.size
+    at = [*([] if again.late else [0.0]), *(t for t in again.times if t < end)]
+    times, every = times_of(model), model["study"]["bodies"]["a"]["blows"]["every"]
+    states, omega = path.at(times), np.array(path.chain.omega)
+    energy = (states[n : n + modes] ** 2).sum(axis=0) / 2 + ((omega[:, None] * states[:modes]) ** 2).sum(axis=0) / 2
+    mass, start = path.chain.bodies["a"], path.chain.start["a"]
+    columns = []
+    for number, t in enumerate(at):
+        until = at[number + 1] if number + 1 < len(at) else t + every
+        low, high = (int(np.ceil(one * rate - 1e-6)) for one in (t, min(until, end)))
+        own = energy[low:high]
+        loud = np.flatnonzero(own > 0.01 * own.max(initial=0.0))
+        quiet = int(loud[-1]) + 1 if loud.size else 0
+        before = path.speed("a", np.array([t]))[0] if t else 0.0
+        brought = ledger_at(path, min(until, end)).blows - ledger_at(path, t).blows if t else mass * start**2 / 2
+        last = number + 1 == len(at)
+        columns.append([
+            t, brought, mass * (start - before), path.peak(touch.name, t, np.inf if last else until),
+            sum(t <= a < (np.inf if last else until) for a, _ in _spans(path, touch) if a < end), own.max(initial=0.0),
+            own[-1] if own.size else 0.0, low / rate - t + quiet / rate if quiet < len(own) else 0.0,
+            min(until, end) - t, 0.0 if last else path.force(touch.name, np.array([until]))[0],
+        ])  # fmt: skip
+    return np.asarray((np.array(columns).T / _blow_sizes(model)[:, None]).ravel())
+
+
+@capability("impacts: blow by blow", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """What each brings, how hard it is, and what the structure has of it until the next."""
+    drawn = capabilities()[f"impacts: {rng.choice(['repeated blows', 'blows that begin later'])}"].draw
+    model = clear(lambda: dict(drawn(rng).model), blows_right, 3e-9)
+    return Case(model, blows, blows_right, 1e-6, _WHY, _KNOBS)
