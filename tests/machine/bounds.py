@@ -341,6 +341,48 @@ def _laws(rng: np.random.Generator) -> list[Bound]:
     return found
 
 
+def _rooms(rng: np.random.Generator) -> list[Bound]:
+    """A box below a plate: what is in it and what its losses are."""
+    size = [float(one) for one in rng.uniform(1.5, 3, 3).round(2)]
+    a, b, (x, y, z) = 1.0, 0.8, size
+    across = 2 * x * y * z / (x * y + y * z + z * x)  # mean free path, 4 V / S
+    plate = {
+        **_plate({}),
+        "surfaces": {"low": {"on": "p", "side": "below"}},
+        "points": {"q": {"on": "p", "at": "center"}},
+    }
+    blow = {"a": {"mass": 0.1, "above": "q", "drop_height": 0.1, "contact": {"type": "linear", "stiffness": 1e6}}}
+
+    def room(**said: Any) -> Draft:
+        own = {"size": size, "at": [a / 2, b / 2], "under": "low", "losses": {"t60": 0.5},
+               "receivers": {"mic": [0.3, 0.4, 0.5]}, **said}  # fmt: skip
+        time = {"duration": 0.05, "sampling": 8e3}
+        return {"model": "structure.yaml", "modes": {"up_to": 900.0}, "rooms": {"r": own}, "bodies": blow, "time": time}
+
+    def bound(where: str, limit: float, make: Callable[[float], Draft], less: bool = True) -> Bound:
+        return Bound(f"rooms.r{where}", limit, make, less, beside={"structure": plate})
+
+    def mic(axis: int) -> Callable[[float], Draft]:
+        return lambda x: room(receivers={"mic": [x if k == axis else 0.3 for k in range(3)]})
+
+    found = [bound("", size[k], mic(k)) for k in range(3)]
+    found += [bound("", 0.0, mic(int(rng.integers(3))), less=False)]
+    return [
+        *found,
+        bound(".losses.t60", 120.0, lambda x: room(losses={"t60": x})),
+        bound(".losses.t60", across / 343.0, lambda x: room(losses={"t60": x}), less=False),
+        bound(".losses.beta", 1.0, lambda x: room(losses={"beta": x, "at": 100.0})),
+        bound(".losses.beta", 0.0, lambda x: room(losses={"beta": x, "at": 100.0}), less=False),
+        bound("", size[0] - a / 2, lambda x: room(at=[x, b / 2])),
+        bound("", b / 2, lambda x: room(at=[a / 2, x]), less=False),
+    ]
+
+
+@capability("language: bounds of rooms", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    return _case(rng, _rooms(rng), 4)
+
+
 @capability("language: bounds of laws and bodies", "independent", slow=True)
 def _(rng: np.random.Generator) -> Case:
     return _case(rng, _laws(rng), 10)
