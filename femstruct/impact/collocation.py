@@ -429,19 +429,14 @@ def march(
     per_sample = 1 << steps.halvings
     end = max(samples, 1) * per_sample
     stride = max(end // LEDGER_ROWS, 1)
-    top_level = _longest_kept(steps.top_level, stride) if samples > 0 else steps.top_level
+    top_level = _longest_kept(steps.top_level, stride, samples)
     initial = _begin(system, state, room, record)
     n_history, n_events = 1, log_changes(0.0, system, state, here.loaded, history[0], 0, record)
     blow = _strikes_at_start(system, state, record)
     t, level, hint, kink = 0, top_level, -1, 0
     last, tried, seen = 0, 0, 0
     while t < end:
-        how = goes_on(record, steps.max_steps)
-        tried += 1
-        if tried == steps.paced:
-            if how == DONE and t - seen < steps.paced * (end / steps.max_steps):
-                how = STALLS  # at this pace all steps are gone before the end
-            tried, seen = 0, t
+        how, tried, seen = _progress(goes_on(record, steps.max_steps), tried + 1, seen, t, end, steps)
         if how != DONE:
             return ended(record, how, t * system.tick, n_history, n_events)
         kink = _next_kink(system, kink, t)
@@ -472,9 +467,9 @@ def march(
         before, t = t, t + (1 << level)
         now = t * system.tick
         _arrive(before, t, system, state, room, record)
-        changes = answer in (CHANGES, SHARP)
-        moment = now - (1.0 - part) * h if changes else now
-        if changes:
+        moment = now
+        if answer in (CHANGES, SHARP):
+            moment = now - (1.0 - part) * h
             _switch_contacts(moment, system, state, room)
         struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
         if struck:
@@ -534,6 +529,16 @@ def _begin(system: System, state: State, room: Workspace, record: RunRecord) -> 
 
 
 @kernel
+def _progress(how: int, tried: int, seen: int, t: int, end: int, steps: CollocationSteps) -> tuple[int, int, int]:
+    """How the march goes on: STALLS where it came so little farther since the last look (seen) that all steps are gone
+    before the end; steps tried since the last look, and where that was."""
+    if tried < steps.paced:
+        return how, tried, seen
+    stalls = how == DONE and t - seen < steps.paced * (end / steps.max_steps)
+    return STALLS if stalls else how, 0, t
+
+
+@kernel
 def _strikes_at_start(system: System, state: State, record: RunRecord) -> int:
     """Book the blows at t = 0, which are the start itself; returns the number of the next one."""
     blow = 0
@@ -544,9 +549,10 @@ def _strikes_at_start(system: System, state: State, record: RunRecord) -> int:
 
 
 @kernel
-def _longest_kept(top: int, stride: int) -> int:
-    """Level of the longest step, of which a ledger row is the end, for rows that are about so many ticks apart."""
-    while top > 0 and (1 << top) > 4 * stride:
+def _longest_kept(top: int, stride: int, samples: int) -> int:
+    """Level of the longest step, of which a ledger row is the end, for rows that are about so many ticks apart; without
+    samples the ledger has no rows on the way."""
+    while samples > 0 and top > 0 and (1 << top) > 4 * stride:
         top -= 1
     return top
 

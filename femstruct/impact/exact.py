@@ -818,7 +818,6 @@ def exact_march(
     _begin(system, state, room)
     initial = open_books(system, state, here, record)
     kept, n_events, kink, at_once = 1, 0, 0, 0
-    late = record.late_at[0] * system.tick if record.late_at[0] >= 0 else np.inf
     t, last, before, earlier = 0.0, 0.0, 0.0, 0.0
     while t < end:
         how = goes_on(record, steps.max_steps)
@@ -845,8 +844,7 @@ def exact_march(
         at_once = at_once + 1 if now == t else 0
         if at_once > 100 + 10 * len(system.interfaces):
             return ended(record, STICKS, t, kept, n_events)
-        if t < late <= now:
-            copy_to(record.late, state.v)
+        _keep_late(t, now, system, state, record)
         t = now
         _look(system, state, room)
         if where < NEVER:
@@ -951,6 +949,13 @@ def _take_step(system: System, state: State, rule: ExactRule, room: ExactRoom, r
     evaluate(room, part * h, order, 1.0)
     move_to(state.z, state.v, room.q, room.v)
     room.fresh[:] = 0
+
+
+@kernel
+def _keep_late(before: float, t: float, system: System, state: State, record: RunRecord) -> None:
+    """Keep the rates at the end of the first step that reaches the tick late_at."""
+    if record.late_at[0] >= 0 and before < record.late_at[0] * system.tick <= t:
+        copy_to(record.late, state.v)
 
 
 @kernel
