@@ -162,7 +162,7 @@ def _(rng: np.random.Generator) -> Case:
     x, y = 0.3 * a, 0.4 * b
     points = {"q": [0.6 * a, y], "d": [0.8 * a, y]}
     h = float(f"{a / rng.uniform(25, 40):.4g}")
-    part: Draft = {"type": "slab", "outline": [[0, 0], [a, 0], [a, b], [0, b]], "mesh": a / 10, "material": "m",
+    part: Draft = {"type": "slab", "outline": [[0, 0], [a, 0], [a, b], [0, b]], "mesh": a / 20, "material": "m",
                    "thickness": h, "through": [[x, y], [1.1 * x, y], *points.values()]}  # fmt: skip
     box = [[-1, -1, -1], [1.01 * x, b + 1, 1]]
     draft: Draft = {
@@ -177,7 +177,7 @@ def _(rng: np.random.Generator) -> Case:
         draft["points"]["c"] = {"on": "b", "at": [0.1, 0.1, 0.1]}
         draft["supports"] = {"body": {"at": "c", "fix": "clamped"}}
         draft["constraints"] = {"strip": {"rigid": "c", "to": {"on": "p", "box": box}}}
-    why = "10 and 20 cells a side, extrapolated, wider than what twists at free edges: below 6e-3"
+    why = "20 and 40 cells a side, extrapolated, wider than what twists at free edges: below 6e-3"
     form = partial(_behind, order=9)
     aside, answers = (*ASIDE, "nothing-moves"), ("modes", "statics", "frf", "vibration")
     subject = Subject(
