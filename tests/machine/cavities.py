@@ -31,7 +31,7 @@ def _plates(
     masses = [between(rng, *heavy) for _ in range(2)]
     draft: Draft = {"materials": {}, "parts": {}, "points": {}, "supports": {}}
     for name, mass, up in zip(("lower", "upper"), masses, (0.0, depth + thick), strict=True):
-        draft["materials"][f"of {name}"] = {"E": 1e16, "nu": 0.3, "rho": rounded(mass / thick)}
+        draft["materials"][f"of {name}"] = {"E": 1e15, "nu": 0.3, "rho": rounded(mass / thick)}
         draft["parts"][name] = {
             "type": "plate", "material": f"of {name}", "thickness": thick, "size": size, "mesh": [_CELLS, _CELLS],
             "origin": [*origin[:2], round(origin[2] + up, 9)],
