@@ -17,7 +17,9 @@ from tests.machine.rooms import between, even, lines_of, losses_of, parts_of, re
 
 _KNOBS = ("study.rooms.room.losses", "structure.materials.m.rho")  # with another E it is no piston
 _WHY = "a plate of 1e5 times the stiffness of its spring yields 1e-5 of its motion, 3e-4 near the force; 12 x 12 cells"
-_LIGHT = "a plug lighter than the air before it, whose mass lacks the orders that 24 cells do not resolve: 1e-4 of it, over losses of 0.03"
+_LIGHT = (
+    "a plug lighter than the air before it, of whose mass 16 cells do not resolve 1.2e-4, over losses of 0.03: 4e-3"
+)
 _COUPLED = "what damping couples is left out below 1e-3 of the plate's motion, several times that of a peak of the air"
 
 
@@ -74,7 +76,7 @@ def scene(rng: np.random.Generator, coupling: str, leaks: bool = False) -> dict[
         room["form"] = str(rng.choice(["causal", "source"]))
     room["coupling"] = coupling
     if leaks:
-        structure["parts"]["p"]["mesh"] = [24, 24]
+        structure["parts"]["p"]["mesh"] = [16, 16]
         room["leak"] = _leak(rng, float(np.prod(size)), air["c"], air["rho"], own)
     low, high = (rounded(share * (own if leaks else first)) for share in (0.3, 2.0))
     heard = {"drive": "q.z", "response": "room.mic.pressure", "kind": "pressure"}

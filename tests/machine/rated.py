@@ -20,7 +20,7 @@ from tests.machine.rooms import even
 _RATE: Final = 25600.0  # Hz
 _HIGHEST: Final = 2000.0  # Hz, towards which the transform fades; beyond it the blow has nothing that is heard
 _THIRDS: Final = (50, 63, 80, 100, 125, 160, 200, 250, 315, 400, 500, 630)
-_WHY = "0.03 dB: the blow has less beyond 1 kHz, where modes end; the program fades the end of a record and keeps some samples of a band; velocity of a sampled path"
+_WHY = "0.03 dB: the blow beyond 1 kHz, where modes end; the fade of a record, samples of a band and of a path"
 
 
 def struck(rng: np.random.Generator) -> dict[str, Any]:
