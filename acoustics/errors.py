@@ -17,8 +17,8 @@ class AcousticsError(ValueError):
 
     def __init__(self, where: str, *, got: str = "", expected: str = "", do: str = "") -> None:
         self.where, self.got, self.expected, self.do = where, got, expected, do
-        told = ", ".join(f"{word} {text}" for word, text in (("got", got), ("expected", expected)) if text)
-        super().__init__("; ".join(text for text in (f"{where}: {told}" if told else where, do) if text))
+        clauses = ", ".join(f"{word} {text}" for word, text in (("got", got), ("expected", expected)) if text)
+        super().__init__("; ".join(text for text in (f"{where}: {clauses}" if clauses else where, do) if text))
 
 
 @stored_as("advice on sound/1")

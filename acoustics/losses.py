@@ -127,8 +127,8 @@ def losses_from_t60_bands(t60_s: Mapping[float, float]) -> Losses:
     if not t60_s:
         raise AcousticsError("losses.t60", got="no band", expected="a reverberation time at one frequency or more")
     omega = 2 * pi * np.array([positive("losses.t60 frequency", f, "Hz") for f in t60_s])
-    wanted = DECAY_OF_T60 / np.array([positive(f"losses.t60 at {f:g} Hz", t, "s") for f, t in t60_s.items()])
-    columns = np.stack((np.ones(len(omega)), omega**2 / 2), axis=1) / wanted[:, None]
+    rates = DECAY_OF_T60 / np.array([positive(f"losses.t60 at {f:g} Hz", t, "s") for f, t in t60_s.items()])
+    columns = np.stack((np.ones(len(omega)), omega**2 / 2), axis=1) / rates[:, None]
     found = [np.array([one @ np.ones(len(omega)) / (one @ one), 0.0]) for one in columns.T]
     found[1] = found[1][::-1]
     if len(np.unique(omega)) > 1:

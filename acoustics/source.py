@@ -159,7 +159,7 @@ def side_by_side(surfaces: Sequence[SurfaceShapes]) -> SurfaceShapes:
     return SurfaceShapes(points, weights, shapes)
 
 
-def together(surfaces: Sequence[Moving]) -> Moving:
+def combine_surfaces(surfaces: Sequence[Moving]) -> Moving:
     """Several moving surfaces of one room as one: a room's source term is a sum over its surfaces.
 
     Surfaces of one structure share their rates; any other surface brings its own.
@@ -167,7 +167,7 @@ def together(surfaces: Sequence[Moving]) -> Moving:
     Raises AcousticsError: none, or records that differ in sampling, length or frequencies.
 
     >>> left, right = (SurfaceVelocity([[x, 0.5, 1]], [0.5], [[1]], [[0, x]], dt=0.1) for x in (0.25, 0.75))
-    >>> both = together([left, right])
+    >>> both = combine_surfaces([left, right])
     >>> both.area, (both.shapes @ both.rates).tolist()
     (1.0, [[0.0, 0.25], [0.0, 0.75]])
     """
@@ -190,7 +190,7 @@ def together(surfaces: Sequence[Moving]) -> Moving:
     return replace(first, points=points, weights=weights, shapes=shapes, rates=rates)
 
 
-def apart(surfaces: Sequence[SurfaceVibration]) -> tuple[list[SurfaceShapes], Complexes, list[slice]]:
+def with_own_coordinates(surfaces: Sequence[SurfaceVibration]) -> tuple[list[SurfaceShapes], Complexes, list[slice]]:
     """Vibrating surfaces with coordinates of their own, the same number for all; the rates of all [k, nf]; and which
     of them are whose.
 
@@ -214,7 +214,7 @@ def _some(surfaces: Sequence[SurfaceShapes]) -> None:
         raise AcousticsError("surfaces", got="none", expected="at least one")
 
 
-def alike(surfaces: Sequence[SurfaceVelocity]) -> None:
+def refuse_unlike(surfaces: Sequence[SurfaceVelocity]) -> None:
     """Refuse surfaces that are not motions of one surface.
 
     Raises AcousticsError: none, or other points, weights, shapes or sampling.

@@ -19,7 +19,7 @@ from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
-from femstruct.errors import InputError, cut
+from femstruct.errors import InputError, shorten
 from femstruct.quantities import PowerStiffness, Quantity, refuse
 from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 
@@ -226,7 +226,7 @@ def exactly_one(given: Mapping[str, object], names: Sequence[str], or_none: bool
 
 def _shown(value: object) -> str:
     words = f"a {type(value).__name__}" if type(value).__repr__ is object.__repr__ else repr(value)
-    return cut(" ".join(words.split()), _SHOWN)
+    return shorten(" ".join(words.split()), _SHOWN)
 
 
 def _plain(value: object, kind: _Kind) -> str:

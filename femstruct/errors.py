@@ -14,28 +14,28 @@ MOST_NAMES: Final = 8
 _ITEMS: Final = 6  # of a list or a mapping that are shown
 
 
-def cut(text: str, most: int = LONGEST) -> str:
+def shorten(text: str, most: int = LONGEST) -> str:
     """A text without its middle where it is too long to be read.
 
-    >>> cut("a" * 1000, 30), cut("short")
+    >>> shorten("a" * 1000, 30), shorten("short")
     ('aaaaaaaaaaaaaaa ... aaaaaaaaaa', 'short')
     """
     half = most // 2
     return text if len(text) <= most else f"{text[:half]} ... {text[half + 5 - most :]}"
 
 
-def some_of(names: Iterable[object], most: int = MOST_NAMES) -> str:
+def list_some(names: Iterable[object], most: int = MOST_NAMES) -> str:
     """Names in a sentence, the first of them where they are many.
 
-    >>> some_of("abc"), some_of(range(100), 3)
+    >>> list_some("abc"), list_some(range(100), 3)
     ('a, b, c', '0, 1, 2 and 97 more')
     """
     shown = [str(name) for name in names]
     more = f" and {len(shown) - most} more" if len(shown) > most else ""
-    return ", ".join(cut(name, 60) for name in shown[:most]) + more
+    return ", ".join(shorten(name, 60) for name in shown[:most]) + more
 
 
-def shown_as(value: object) -> str:
+def quote_value(value: object) -> str:
     """The value as its writer knows it, cut short."""
     if value is None:
         return "nothing"
@@ -66,15 +66,15 @@ def _inside(value: object, deepest: int = 2) -> str:
         else:
             parts = [_inside(one, deepest - 1) for one in value[:_ITEMS]]
         parts += ["..."] if len(value) > _ITEMS else []
-        return cut(f"{{{', '.join(parts)}}}" if isinstance(value, dict) else f"[{', '.join(parts)}]", 60)
-    return shown_as(value).strip("'")
+        return shorten(f"{{{', '.join(parts)}}}" if isinstance(value, dict) else f"[{', '.join(parts)}]", 60)
+    return quote_value(value).strip("'")
 
 
 def sentence(where: str, got: str = "", expected: str = "", do: str = "") -> str:
     """``where: got this, expected that; do this``, each part cut where it is too long to be read."""
-    told = ", ".join(f"{word} {cut(text)}" for word, text in (("got", got), ("expected", expected)) if text)
-    whole = ": ".join(text for text in (cut(where), told) if text)
-    return f"{whole}; {cut(do)}" if do else whole
+    clauses = ", ".join(f"{word} {shorten(text)}" for word, text in (("got", got), ("expected", expected)) if text)
+    whole = ": ".join(text for text in (shorten(where), clauses) if text)
+    return f"{whole}; {shorten(do)}" if do else whole
 
 
 class FemstructError(Exception):
@@ -101,7 +101,7 @@ class InputErrors(InputError):
         self.errors = errors
 
     def __str__(self) -> str:
-        lines = [cut(line, 4 * LONGEST) for line in self.errors[:MOST_LINES]]
+        lines = [shorten(line, 4 * LONGEST) for line in self.errors[:MOST_LINES]]
         more = len(self.errors) - MOST_LINES
         return "\n".join([*lines, f"and {more} more mistakes"] if more > 0 else lines)
 
@@ -117,14 +117,14 @@ class NotConverged(FemstructError):
 
     >>> error = NotConverged("impact", got="20 steps by t = 0.1 s", expected="to reach t = 1 s")
     >>> error.position = "press.study.yaml:12:3: "
-    >>> error.told
+    >>> error.text
     'press.study.yaml:12:3: not converged: impact: got 20 steps by t = 0.1 s, expected to reach t = 1 s'
     """
 
     position: str = ""
 
     @property
-    def told(self) -> str:
+    def text(self) -> str:
         """The error as it is told: where, and what did not converge."""
         return f"{self.position}not converged: {self}"
 

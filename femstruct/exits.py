@@ -101,7 +101,7 @@ def tell(error: Exception) -> int:
     """Say what went wrong on stderr, and with which exit code to leave."""
     with suppress(OSError, ValueError):  # stderr may be full, too
         if isinstance(error, NotConverged):
-            print(error.told, file=sys.stderr)
+            print(error.text, file=sys.stderr)
         elif isinstance(error, FemstructError) or _of_acoustics(error):
             print(error, file=sys.stderr)
         elif isinstance(error, OSError) and error.errno in _NO_ROOM:

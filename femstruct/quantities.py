@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, NamedTuple
 
-from femstruct.errors import shown_as
+from femstruct.errors import quote_value
 from femstruct.units import DIMENSIONS, Dimension, QuantityError, power_stiffness, quantity_of
 
 SMALLEST, LARGEST = 1e-30, 1e20  # beyond them nothing is meant, and squares and cubes of it leave what numbers can hold
@@ -56,7 +56,7 @@ class Quantity:
         largest = FARTHEST if named.unit == "m" else LARGEST
         if number and not SMALLEST <= abs(number) <= largest:
             raise refuse(
-                shown_as(value),
+                quote_value(value),
                 f"{named.words} between {SMALLEST:g} and {largest:g} {named.unit}",
                 "correct its power of ten",
             )
@@ -66,22 +66,22 @@ class Quantity:
         """Raise QuantityError for a number [SI] beyond the limits. value : as it is written."""
         if self.above is not None and not number > self.above:
             if named.unit == "1" and number < 0.0 == self.above:
-                raise refuse(shown_as(value), "a positive value", f"write {-number:g}")
+                raise refuse(quote_value(value), "a positive value", f"write {-number:g}")
             do = self.at_limit if number == self.above and self.at_limit else f"write it like {named.example}"
-            raise refuse(shown_as(value), f"a positive value: {named.words}", do)
+            raise refuse(quote_value(value), f"a positive value: {named.words}", do)
         if self.least is not None and not number >= self.least:
             raise refuse(
-                shown_as(value),
+                quote_value(value),
                 f"{self.words or named.words} of at least {self._shown(self.least)}",
                 self.too_small.format(number=number, thousandfold=1e3 * number),
             )
         if self.below is not None and not number < self.below:
             raise refuse(
-                shown_as(value), f"{named.words} below {self.below:g}", f"2 % is 0.02: did you mean {number:g} %?"
+                quote_value(value), f"{named.words} below {self.below:g}", f"2 % is 0.02: did you mean {number:g} %?"
             )
         if self.most is not None and not number <= self.most:
             raise refuse(
-                shown_as(value),
+                quote_value(value),
                 f"{self.words or named.words} of at most {self._shown(self.most)}",
                 self.too_large.format(number=number, thousandfold=1e3 * number),
             )
@@ -124,7 +124,7 @@ class PowerStiffness:
         """The value in SI units. Raises QuantityError for what is none."""
         number = power_stiffness(value, exponent)
         if not number > 0.0:
-            raise refuse(shown_as(value), "a positive stiffness", f"write it like 1e6 {self.unit_of(exponent)}")
+            raise refuse(quote_value(value), "a positive stiffness", f"write it like 1e6 {self.unit_of(exponent)}")
         return number
 
     def unit_of(self, exponent: float) -> str:

@@ -53,8 +53,8 @@ def reported(kind: type) -> Mapping[str, Reported]:
     >>> [(name, one.unit, one.key) for name, one in reported(Hit).items()]
     [('peak', 'N', 'peak_n')]
     """
-    told = ((name, one) for name, one in _told(kind) if getattr(one, "_fields", ()) == Reported._fields)
-    return MappingProxyType({name: Reported(*one) for name, one in told})
+    annotations = ((name, one) for name, one in _annotations(kind) if getattr(one, "_fields", ()) == Reported._fields)
+    return MappingProxyType({name: Reported(*one) for name, one in annotations})
 
 
 @cache
@@ -66,21 +66,21 @@ def held(kind: type) -> Mapping[str, Held]:
     >>> [(name, one.long_name) for name, one in held(Hits).items()]
     [('hits', 'Hits by body')]
     """
-    return MappingProxyType({name: told for name, told in _told(kind) if isinstance(told, Held)})
+    return MappingProxyType({name: holding for name, holding in _annotations(kind) if isinstance(holding, Held)})
 
 
 def holdings(noun: Any) -> Iterator[tuple[str, Held, Any]]:
     """What a noun holds: the field, or the word of a kind, what is said of it, and the value."""
     kind: object = type(noun)
-    for name, told in held(kind).items():
+    for name, holding in held(kind).items():
         value = getattr(noun, name)
-        if told.kinds:
-            yield from ((word, next((one.table for one in own.values()), told), own) for word, own in value.items())
+        if holding.kinds:
+            yield from ((word, next((one.table for one in own.values()), holding), own) for word, own in value.items())
         else:
-            yield told.key or name, told, value
+            yield holding.key or name, holding, value
 
 
-def _told(kind: type) -> Iterator[tuple[str, Any]]:
+def _annotations(kind: type) -> Iterator[tuple[str, Any]]:
     """All that is said of the fields and properties of a noun, by name, in their order."""
     hints: dict[str, Any] = get_type_hints(kind, include_extras=True)
     for name, item in vars(kind).items():
@@ -89,4 +89,4 @@ def _told(kind: type) -> Iterator[tuple[str, Any]]:
             hints[name] = get_type_hints(read, include_extras=True)["return"]
     for name, hint in hints.items():
         if get_origin(hint) is Annotated:
-            yield from ((name, told) for told in get_args(hint)[1:])
+            yield from ((name, annotation) for annotation in get_args(hint)[1:])

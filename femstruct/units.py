@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from femstruct.errors import InputError, shown_as
+from femstruct.errors import InputError, quote_value
 
 # ----------------------------------------------------------------------------------------------------------------------
 # The units that are known, and the dimensions of quantities: tables, short on purpose.
@@ -195,10 +195,10 @@ def power_stiffness(value: object, exponent: float) -> float:
     return _read(value, {"stiffness of a power": Dimension("a stiffness", unit, f"1e6 {unit}", exponents)})[0]
 
 
-def readable(unit: str, largest: float) -> tuple[float, str]:
+def readable_unit(unit: str, largest: float) -> tuple[float, str]:
     """A factor and the unit of numbers in sentences: of stresses MPa, as in tables; sound is never beyond 10 kPa.
 
-    >>> readable("Pa", 6.855e7), readable("Pa", 0.2), readable("N", 1e6)
+    >>> readable_unit("Pa", 6.855e7), readable_unit("Pa", 0.2), readable_unit("N", 1e6)
     ((1e-06, 'MPa'), (1.0, 'Pa'), (1.0, 'N'))
     """
     return (1e-6, "MPa") if unit == "Pa" and largest >= _STRESSES else (1.0, unit)
@@ -219,7 +219,7 @@ def _read(value: object, dimensions: Mapping[str, Dimension]) -> tuple[float, st
     expected = " or ".join(f"{one.words} [{one.unit}]" for one in dimensions.values())
     sample = next(iter(dimensions.values())).example
     example = f"write it like {sample}"
-    shown = shown_as(value)
+    shown = quote_value(value)
     if isinstance(value, int | float) and not isinstance(value, bool):
         return _finite(value, shown, expected), None
     if not isinstance(value, str) or isinstance(value, bool):
@@ -328,13 +328,13 @@ def _symbol(symbol: str) -> tuple[Unit, ...]:
 def _instead(symbol: str, alone: bool, dimensions: Mapping[str, Dimension]) -> str:
     """What to write for an unknown unit: the same letters as capitals or small, a near one of the same dimension, or
     the known ones of that dimension. alone : whether it is the whole unit."""
-    wanted = [one.exponents for one in dimensions.values()]
-    fitting = [name for name, unit in UNITS.items() if unit.exponents in wanted]
+    exponents = [one.exponents for one in dimensions.values()]
+    fitting = [name for name, unit in UNITS.items() if unit.exponents in exponents]
     folded = {name.lower(): name for name in (UNITS if not alone else fitting)}
     near = difflib.get_close_matches(symbol.lower(), folded, n=1, cutoff=_NEAR if alone else 1.0)
     if near and not (symbol.startswith("m") and symbol[1:] in UNITS):  # mHz is meant as neither Hz nor MHz
         return f"did you mean '{folded[near[0]]}'?"
-    words = " or ".join(one.words for one in dimensions.values() if one.exponents in {*_KINDS} & {*wanted})
+    words = " or ".join(one.words for one in dimensions.values() if one.exponents in {*_KINDS} & {*exponents})
     listed = ", ".join(name for name in fitting if not name.startswith(_TWINS))
     return f"known units of {words}: {listed}" if alone and fitting else ""
 

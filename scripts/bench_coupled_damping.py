@@ -30,8 +30,8 @@ from femstruct.modal.damping import with_damping
 from femstruct.modal.frf import frf
 from femstruct.modal.oscillators import oscillators_of
 from femstruct.model.probe import Probe
-from femstruct.workflow.bases import in_air, solve
-from femstruct.workflow.staging import scene as staged
+from femstruct.workflow.bases import add_cavities, solve
+from femstruct.workflow.staging import build_scene as staged
 
 STRUCTURE = 100  # modes of the floor, and as many of the ceiling, up to REACH
 REACH = 450.0  # [Hz]; modes of the air reach ten times as far
@@ -95,7 +95,7 @@ def joist_floor() -> Iterator[tuple[str, float]]:
     for name, (plan, wanted) in asked.items():
         case = next(one for one in plan.cases if one.name == wanted)
         solved = solve(case.study.structure, case.study.extent, case.studies)
-        basis = in_air(with_damping(solved.basis, case.study.damping), solved)
+        basis = add_cavities(with_damping(solved.basis, case.study.damping), solved)
         scene = staged(next(iter(case.drops.values())), solved.places, basis)
         runs[name] = (basis, scene, Clock(1.5, 5e3))
         found = oscillators_of(basis)

@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg.blas import daxpy
 
 from femstruct.impact.batch import Batch, simulate_batch
-from femstruct.impact.exact import COARSE, ORDER, takes_exact_march
+from femstruct.impact.exact import COARSE, ORDER, is_piecewise_linear
 from femstruct.impact.propagation import PLACES, POINTS, STAGES
 from femstruct.impact.scene import Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
@@ -31,8 +31,8 @@ from femstruct.laws.hertz import Hertz
 from femstruct.laws.linear import Linear
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.closed_form import given_modes
-from femstruct.workflow.bases import damped, solve_all
-from femstruct.workflow.staging import scene as staged
+from femstruct.workflow.bases import damp_basis, solve_all
+from femstruct.workflow.staging import build_scene as staged
 
 FLOOR = Path(__file__).parents[1] / "models" / "floor_tennis_ball.study.yaml"
 TOLERANCE = 1e-5  # of the Hertz ball: its error is 1e-9, that of RK45 2e-5
@@ -118,7 +118,7 @@ def against_rk45(case: Case, truth: float, runs: int = 4096) -> dict[str, float]
     vary = {f"{body.name}.velocity": np.full(runs, body.velocity)}
     found = batch_of(case, vary)
     fast = cpu(lambda: batch_of(case, vary), 3) / runs
-    exact = takes_exact_march(compile_scene(case.basis, case.scene, case.clock).system, case.clock.duration)
+    exact = is_piecewise_linear(compile_scene(case.basis, case.scene, case.clock).system, case.clock.duration)
     floor = multiply_adds(case, int(found.steps[0]), exact) / axpy_rate()
     return {
         f"{case.name}: ms a run": 1e3 * fast,
@@ -187,7 +187,7 @@ def floor() -> dict[str, float]:
     solved = solve_all(plan.cases)
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
     case = next(case for case in plan.cases if case.name == "damper 0.6")
-    basis, time_plan = damped(case, solved, baseline), case.study.time
+    basis, time_plan = damp_basis(case, solved, baseline), case.study.time
     assert time_plan is not None
     scene, clock = staged(case.study, solved[case.name].places, basis), Clock(time_plan.duration, time_plan.sampling)
     vary = {"damper.mass": np.linspace(0.3, 0.9, 64)}

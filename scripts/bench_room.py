@@ -22,7 +22,7 @@ from acoustics.fields.rectangular import Room
 from acoustics.losses import losses_from_beta, losses_from_t60
 from acoustics.receivers import Receiver
 from acoustics.rooms.box import cosines, horizontal_wavenumber, project, transfer, vertical_wavenumber
-from acoustics.rooms.box_pressure import extended, pressure
+from acoustics.rooms.box_pressure import extend_to_rest, pressure
 from acoustics.source import SurfaceVelocity
 
 ORDERS, WINDOW, RATE, FEW_LINES = 12, 10.0, 48e3, 20_000
@@ -117,7 +117,7 @@ def plain_loop(surface: SurfaceVelocity, room: Room, places: np.ndarray, orders:
     for row, place in enumerate(places):
         for pair in np.ndindex(orders, orders):
             one = np.array([pair])
-            velocity = np.fft.rfft(extended(project(surface, room, one) @ surface.rates, length)[0] * weight)
+            velocity = np.fft.rfft(extend_to_rest(project(surface, room, one) @ surface.rates, length)[0] * weight)
             through = transfer(room, s, horizontal_wavenumber(room, one), place[2:])[0][0]
             here = cosines(room, one, place[None, :2])[0, 0]
             p[row] += here * np.fft.irfft(through * velocity, length)[:n_samples] / weight[:n_samples]

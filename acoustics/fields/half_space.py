@@ -16,7 +16,7 @@ from acoustics.losses import Losses
 from acoustics.open_air.rayleigh import Baffle, field_loads, field_pressures, harmonic_field, in_front, on_plane
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, combine_surfaces, side_by_side
 from acoustics.tags import stored_as
 
 PLANE = "plane"
@@ -76,13 +76,13 @@ class HalfSpace(Baffle, SoundField):
         self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
     ) -> list[RoomResponse]:
         """By Rayleigh's integral: see `acoustics.open_air.rayleigh.field_pressures`."""
-        return field_pressures([together(motion) for motion in motions], self, receivers)
+        return field_pressures([combine_surfaces(motion) for motion in motions], self, receivers)
 
     def harmonic(
         self, surfaces: Sequence[SurfaceVibration], receivers: Sequence[Receiver]
     ) -> tuple[Complexes, tuple[Advice, ...]]:
         """By Rayleigh's integral: see `acoustics.open_air.rayleigh.harmonic_field`."""
-        return harmonic_field(together(surfaces), self, receivers)
+        return harmonic_field(combine_surfaces(surfaces), self, receivers)
 
     def loads(
         self, surfaces: Sequence[SurfaceShapes], source: Receiver, frequency_hz: Floats

@@ -17,10 +17,10 @@ from acoustics.fields.returned import KeptTransfer, ModesOnSurface
 from acoustics.fields.sound_field import FACING, SoundField, described_modes, faces_out
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box import Box, inside, overlaps, room_modes
+from acoustics.rooms.box import Box, overlaps, refuse_outside, room_modes
 from acoustics.rooms.box_coupling import CoupledAir
 from acoustics.rooms.box_harmonic import PressureMap
-from acoustics.rooms.box_pressure import room_ways
+from acoustics.rooms.box_pressure import room_transfers
 from acoustics.rooms.box_walls import (
     ON,
     WALLS,
@@ -34,7 +34,7 @@ from acoustics.rooms.box_walls import (
     wall_powers,
     wall_pressures,
 )
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, combine_surfaces, side_by_side
 from acoustics.tags import stored_as
 
 TOLD_HZ = 1000.0  # up to which its first modes are looked for
@@ -145,7 +145,7 @@ class Room(Box, SoundField):
 
     def places(self, receivers: Sequence[Receiver]) -> Floats:
         for receiver in receivers:
-            inside(self, f"receiver {receiver.name}", receiver.position[None, :])
+            refuse_outside(self, f"receiver {receiver.name}", receiver.position[None, :])
         return positions(receivers)
 
     def pressures(
@@ -162,13 +162,13 @@ class Room(Box, SoundField):
         self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
     ) -> tuple[list[RoomResponse], KeptTransfer | None]:
         """The cosines that were found are kept."""
-        return wall_pressures([together(motion) for motion in motions], self, receivers, up_to_hz)
+        return wall_pressures([combine_surfaces(motion) for motion in motions], self, receivers, up_to_hz)
 
     def harmonic(
         self, surfaces: Sequence[SurfaceVibration], receivers: Sequence[Receiver]
     ) -> tuple[Complexes, tuple[Advice, ...]]:
         """By cosines of every wall: see `acoustics.rooms.box_harmonic.harmonic_pressure`."""
-        return wall_harmonic(together(surfaces), self, receivers)
+        return wall_harmonic(combine_surfaces(surfaces), self, receivers)
 
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
         """By its modes: see `acoustics.rooms.box_walls.coupled_walls`."""
@@ -213,11 +213,11 @@ class Room(Box, SoundField):
     def varied(self, factors: Floats) -> Room:
         return Room(self.size * factors, self.air, self.losses)
 
-    def ways(self, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
-        """By cosines: see `acoustics.rooms.box_pressure.room_ways`."""
+    def transfers(self, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
+        """By cosines: see `acoustics.rooms.box_pressure.room_transfers`."""
         inner = ((surface.points[:, :2] >= 0.0) & (surface.points[:, :2] <= self.size[:2])).all(axis=1)
         within = SurfaceShapes(surface.points[inner], surface.weights[inner], surface.shapes[inner])
-        return room_ways(self, within, places, s)
+        return room_transfers(self, within, places, s)
 
     def mode_shapes(self, points: Floats, count: int) -> tuple[Floats, Floats]:
         return box_mode_shapes(self, points, count)
@@ -232,4 +232,4 @@ class Room(Box, SoundField):
         divisions: tuple[int, int] = (48, 40),
     ) -> PressureMap:
         """By as many cosines as a picture needs: see `acoustics.rooms.box_harmonic.pressure_map`."""
-        return wall_map(together(surfaces), self, frequencies_hz, normal=normal, at=at, divisions=divisions)
+        return wall_map(combine_surfaces(surfaces), self, frequencies_hz, normal=normal, at=at, divisions=divisions)

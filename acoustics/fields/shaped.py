@@ -20,7 +20,14 @@ from acoustics.fields.returned import ModesOnSurface
 from acoustics.fields.sound_field import SoundField, described_modes, faces_out
 from acoustics.losses import Losses
 from acoustics.meshed.cavity_mesh import CavityMesh
-from acoustics.meshed.finite_elements import CELLS_PER_WAVE, OFF_WALL, CavityModes, cavity_modes, off_boundary, probe
+from acoustics.meshed.finite_elements import (
+    CELLS_PER_WAVE,
+    OFF_WALL,
+    CavityModes,
+    boundary_distances,
+    cavity_modes,
+    probe,
+)
 from acoustics.meshed.meshed_coupling import coupled_cavity
 from acoustics.meshed.meshed_pressure import (
     Decays,
@@ -31,12 +38,12 @@ from acoustics.meshed.meshed_pressure import (
     harmonic_cavity_pressure,
     measured_t60,
 )
-from acoustics.meshed.walls import AnyWall, YieldingWall, absorbed, two_way_absorption
+from acoustics.meshed.walls import AnyWall, YieldingWall, two_way_absorption, wall_absorption
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box_coupling import CoupledAir
 from acoustics.rooms.box_harmonic import PressureMap, map_within
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, combine_surfaces, side_by_side
 from acoustics.tags import stored_as
 
 MOST: Final = 300  # modes of a room that nobody limits, about
@@ -93,8 +100,8 @@ class ShapedRoom(SoundField):
                 expected="another wall",
                 do="remove it: the ceiling moves with its structure",
             )
-        asked = self.carried_hz if self.up_to_hz is None else positive("up_to_hz", self.up_to_hz, "Hz")
-        freeze(self, walls=MappingProxyType(dict(self.walls)), up_to_hz=asked)
+        up_to = self.carried_hz if self.up_to_hz is None else positive("up_to_hz", self.up_to_hz, "Hz")
+        freeze(self, walls=MappingProxyType(dict(self.walls)), up_to_hz=up_to)
 
     @property
     def carried_hz(self) -> float:
@@ -172,7 +179,7 @@ class ShapedRoom(SoundField):
             **described_modes(
                 self.losses,
                 self.frequency_hz[1:],
-                0.5 * self.air.c * np.diag(absorbed(self.modes, self.walls, self.air))[1:],
+                0.5 * self.air.c * np.diag(wall_absorption(self.modes, self.walls, self.air))[1:],
             ),
         }
 
@@ -185,7 +192,7 @@ class ShapedRoom(SoundField):
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
         """Refuse a surface that is not within its wall, or faces out of the room."""
         self.on_wall(wall)
-        off, reach = off_boundary(self.mesh, points, wall)
+        off, reach = boundary_distances(self.mesh, points, wall)
         if off.max() > OFF_WALL * reach:
             raise AcousticsError(
                 "surface.points",
@@ -207,14 +214,14 @@ class ShapedRoom(SoundField):
         self, motions: Sequence[Sequence[SurfaceVelocity]], receivers: Sequence[Receiver], up_to_hz: float = inf
     ) -> list[RoomResponse]:
         """By its modes: see `acoustics.meshed.meshed_pressure.cavity_pressure`."""
-        moving = [together(motion) for motion in motions]
+        moving = [combine_surfaces(motion) for motion in motions]
         return cavity_pressures(moving, self.modes, self.air, self.losses, receivers, self.walls)
 
     def harmonic(
         self, surfaces: Sequence[SurfaceVibration], receivers: Sequence[Receiver]
     ) -> tuple[Complexes, tuple[Advice, ...]]:
         """By its modes: see `acoustics.meshed.meshed_pressure.harmonic_cavity_pressure`."""
-        moving = together(surfaces)
+        moving = combine_surfaces(surfaces)
         return harmonic_cavity_pressure(moving, self.modes, self.air, self.losses, receivers, self.walls)
 
     def loads(

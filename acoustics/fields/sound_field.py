@@ -251,7 +251,7 @@ class SoundField(ABC):
         """The field with its sides times factors [3], losses and air as they are; None for a kind without sides."""
         return None
 
-    def ways(self, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
+    def transfers(self, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
         """Pressure over modal rate [r, k, nf] at places [r, 3], at complex frequencies s [nf] [1/s], for kinds that can
         be varied; what of the surface lies beyond its wall moves no air."""
         raise AcousticsError("ways", got=self.word, expected="a room with sides")

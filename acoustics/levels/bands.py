@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box_pressure import extended, fast_length
+from acoustics.rooms.box_pressure import extend_to_rest, fast_length
 from acoustics.rooms.room_advice import advice_below
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -112,8 +112,8 @@ def ringing_time(centre_hz: float, fraction: Fraction = 3) -> float:
 def _centres(sampling_hz: float, fraction: Fraction, lowest_hz: float = LOWEST_HZ) -> dict[float, float]:
     first = round(10 * log10(lowest_hz / 1000))
     last = floor(10 * (log10(0.47 * sampling_hz / 1000) - _HALF[fraction]))
-    wanted = [n for n in range(first, last + 1) if fraction == 3 or n % 3 == 0]
-    return {float(f"{_NOMINAL[n % 10] * 10.0 ** (3 + n // 10):.6g}"): 1000 * 10 ** (n / 10) for n in wanted}
+    numbers = [n for n in range(first, last + 1) if fraction == 3 or n % 3 == 0]
+    return {float(f"{_NOMINAL[n % 10] * 10.0 ** (3 + n // 10):.6g}"): 1000 * 10 ** (n / 10) for n in numbers}
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -124,7 +124,7 @@ OFF_DB: Final = 0.2  # that what is left out beyond a band may change its level
 LOUDER_DB: Final = 10.0  # that a third octave beyond may be above those of the band
 
 
-def ended(response: RoomResponse, complete_below_hz: float) -> RoomResponse:
+def truncate_response(response: RoomResponse, complete_below_hz: float) -> RoomResponse:
     """A room's sound without what lies above a frequency [Hz], of which `complete_below_hz` tells.
 
     What is left out of a structure by modes is made up for by pseudo-modes, which are right in forces and in what is
@@ -138,7 +138,7 @@ def ended(response: RoomResponse, complete_below_hz: float) -> RoomResponse:
     >>> from acoustics import Receiver
     >>> t = np.arange(48000) / 48e3
     >>> tones = [np.sin(2 * np.pi * f * t) * np.sin(np.pi * t) ** 2 for f in (400.0, 600.0)]
-    >>> heard = ended(RoomResponse((Receiver("a", [0, 0, 0]), Receiver("b", [1, 0, 0])), t, tones), 450.0)
+    >>> heard = truncate_response(RoomResponse((Receiver("a", [0, 0, 0]), Receiver("b", [1, 0, 0])), t, tones), 450.0)
     >>> bool(np.abs(heard.p - tones)[0].max() < 1e-4), bool(np.abs(heard.p[1]).max() < 1e-4), heard.complete_below_hz
     (True, True, 450.0)
     """
@@ -150,27 +150,27 @@ def ended(response: RoomResponse, complete_below_hz: float) -> RoomResponse:
     )
 
 
-def shown(centre_hz: float, complete_below_hz: float, fraction: Fraction = 3) -> bool:
+def is_below(centre_hz: float, complete_below_hz: float, fraction: Fraction = 3) -> bool:
     """Whether a band with an exact centre lies below a frequency, its upper edge included: for what is summed between
     the edges of bands.
 
-    >>> shown(630.957, 710.0), shown(794.328, 710.0)
+    >>> is_below(630.957, 710.0), is_below(794.328, 710.0)
     (True, False)
     """
     return band_edges(centre_hz, fraction)[1] <= complete_below_hz
 
 
-def filtered(centre_hz: float, complete_below_hz: float, fraction: Fraction = 3) -> bool:
+def passes_below(centre_hz: float, complete_below_hz: float, fraction: Fraction = 3) -> bool:
     """The same for what passes the filter of a band: whether a sound that ends at a frequency has all of the band.
 
-    >>> filtered(630.957, 710.0), filtered(630.957, 790.0)
+    >>> passes_below(630.957, 710.0), passes_below(630.957, 790.0)
     (False, True)
     """
-    return centre_hz * passed_by(fraction) <= complete_below_hz
+    return centre_hz * filter_reach(fraction) <= complete_below_hz
 
 
 @cache
-def passed_by(fraction: Fraction) -> float:
+def filter_reach(fraction: Fraction) -> float:
     """How far the filter of a band passes what matters to its level, over its centre.
 
     Notes
@@ -180,7 +180,7 @@ def passed_by(fraction: Fraction) -> float:
     without modes changes its level by decibels (1.5 dB are found). What is left out beyond may be 10 dB louder than the
     band, by third octaves, and changes it by no more than 0.2 dB.
 
-    >>> round(passed_by(3), 4), round(passed_by(1), 4)
+    >>> round(filter_reach(3), 4), round(filter_reach(1), 4)
     (1.2503, 1.7645)
     """
     edge = band_edges(1.0, fraction)[1]
@@ -196,7 +196,7 @@ def _low_passed(p: Floats, dt: float, end_hz: float) -> Floats:
     length = fast_length(2 * nt)
     lines = np.fft.rfftfreq(length, dt)
     above = np.clip((lines / end_hz - 1.0) / (THIRD_EDGE - 1.0), 0.0, 1.0)
-    spectrum = np.fft.rfft(extended(p, length), axis=1)
+    spectrum = np.fft.rfft(extend_to_rest(p, length), axis=1)
     low: Floats = np.fft.irfft(spectrum * (0.5 + 0.5 * np.cos(np.pi * above)), length, axis=1)[:, :nt]
     low = np.ascontiguousarray(low)
     low.flags.writeable = False
@@ -282,7 +282,7 @@ def band_passes(
     thinned : whether as few samples are kept as the band needs, else all.
     """
     every = octave_bands(sampling_hz) if fraction == 1 else third_octave_bands(sampling_hz)
-    centres = {nominal: centre for nominal, centre in every.items() if filtered(centre, end_hz, fraction)}
+    centres = {nominal: centre for nominal, centre in every.items() if passes_below(centre, end_hz, fraction)}
     tails = {nominal: ceil(ringing_time(centre, fraction) * sampling_hz) for nominal, centre in centres.items()}
     length = fast_length(nt + 2 * max(tails.values(), default=1))
     return MappingProxyType(
@@ -296,8 +296,8 @@ def band_passes(
 def _band_pass(
     centre_hz: float, tail: int, length: int, nt: int, sampling_hz: float, fraction: Fraction, thinned: bool
 ) -> BandPass:
-    wanted = max(PER_PERIOD * band_edges(centre_hz, fraction)[1], LEAST_HZ) / sampling_hz * length
-    kept = fast_length(ceil(wanted)) if thinned and wanted < 0.7 * length else length
+    least_length = max(PER_PERIOD * band_edges(centre_hz, fraction)[1], LEAST_HZ) / sampling_hz * length
+    kept = fast_length(ceil(least_length)) if thinned and least_length < 0.7 * length else length
     lines_hz = np.arange(kept // 2 + 1, dtype=np.float64) * (sampling_hz / length)
     gain = band_response(lines_hz, centre_hz, sampling_hz, fraction)
     loud = np.flatnonzero(np.abs(gain) > FAINT)

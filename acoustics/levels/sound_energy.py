@@ -17,7 +17,7 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, frozen
 from acoustics.errors import Advice
-from acoustics.levels.bands import band_edges, shown, third_octave_bands
+from acoustics.levels.bands import band_edges, is_below, third_octave_bands
 from acoustics.levels.weighting import FrequencyWeighting, frequency_weighting
 from acoustics.open_air.power import plane_wave_power, radiated_power
 from acoustics.open_air.rayleigh import POINTS_PER_WAVE
@@ -103,7 +103,7 @@ class SoundEnergy:
         """Energy of the third octaves {nominal: [J]}."""
         energies = _by_band(self.density, self.step_hz, self.bands_hz)
         return {
-            band: energy if shown(self.bands_hz[band], self.complete_below_hz) else nan
+            band: energy if is_below(self.bands_hz[band], self.complete_below_hz) else nan
             for band, energy in energies.items()
         }
 
@@ -153,7 +153,7 @@ def loudest(frequency_hz: Floats, density: Floats, count: int) -> list[float]:
     return sorted(found)
 
 
-def at_rest(rates: Floats) -> Floats:
+def bring_to_rest(rates: Floats) -> Floats:
     """Velocities [k, nt] brought smoothly to rest over the last tenth of the record."""
     tail = max(2, round(FADE_OUT_SHARE * rates.shape[1]))
     faded = rates.copy()
@@ -195,7 +195,7 @@ def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
     nt, dt = surface.rates.shape[1], surface.dt
     apart = float(np.sqrt(surface.weights.max()))
     top = air.c / (FEWEST_POINTS * apart)
-    frequency, density, plane, beyond = _densities(surface, at_rest(surface.rates), air, top)
+    frequency, density, plane, beyond = _densities(surface, bring_to_rest(surface.rates), air, top)
     energy = float(density.sum()) * float(frequency[1])
     # A Hann window has the energy of 3/8 of its length: that of the last fifth stands for .75 of a tenth.
     end = np.hanning(max(2, round(2 * FADE_OUT_SHARE * nt)) + 2)[1:-1]
@@ -219,7 +219,7 @@ def radiated_energy(surface: SurfaceVelocity, air: Air) -> SoundEnergy:
     return replace(result, findings=(*_short(result), *_coarse(result, apart, air, beyond), *_jump(surface)))
 
 
-def ended_energy(energy: SoundEnergy, complete_below_hz: float) -> SoundEnergy:
+def truncate_energy(energy: SoundEnergy, complete_below_hz: float) -> SoundEnergy:
     """What of the energy lies below a frequency [Hz], above which the motion is not known."""
     below = energy.frequency_hz <= complete_below_hz
     density = np.where(below, energy.density, 0.0)

@@ -105,8 +105,8 @@ def force_exposure_levels(force: Floats, dt: float) -> dict[float, float]:
         raise AcousticsError("dt", got=f"{sampling_hz:g} Hz", expected=f"{LEAST_SAMPLING_HZ:g} Hz or more")
     passes, found = band_passes(len(force), sampling_hz, 1, thinned=False), {}
     for nominal in EXPOSURE_BANDS_HZ:
-        heard = passes[nominal].of(np.fft.rfft(force, passes[nominal].length), 0.0).values
-        found[nominal] = decibel(float(heard @ heard) * dt)
+        passed = passes[nominal].of(np.fft.rfft(force, passes[nominal].length), 0.0).values
+        found[nominal] = decibel(float(passed @ passed) * dt)
     return found
 
 
@@ -196,7 +196,7 @@ class Levels:
         of heavy blows use. octaves_db : the same of octaves.
     exposure_db : {nominal centre [Hz]: unweighted sound exposure level in the third octave}.
     findings : advice; reference_pa : p0 [Pa]. complete_below_hz : where the sound ends; bands whose filters
-    pass more (`acoustics.levels.bands.filtered`) are nan, single numbers are of the sound below.
+    pass more (`acoustics.levels.bands.passes_below`) are nan, single numbers are of the sound below.
     Levels of silence are nan.
     """
 
@@ -304,9 +304,9 @@ def _band_levels(
     passes = band_passes(len(p), 1 / dt, fraction, end_hz)
     spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))
     for nominal, one in passes.items():
-        heard = one.of(spectrum, float(p[-1]))
-        largest[nominal] = _decibel(float(time_weighted(heard.values**2, dt, "F", heard.every).max()))
-        exposures[nominal] = _decibel(float(heard.values @ heard.values) * heard.every * dt)
+        passed = one.of(spectrum, float(p[-1]))
+        largest[nominal] = _decibel(float(time_weighted(passed.values**2, dt, "F", passed.every).max()))
+        exposures[nominal] = _decibel(float(passed.values @ passed.values) * passed.every * dt)
     return largest, exposures
 
 
@@ -351,8 +351,8 @@ def equivalent_levels(
     passes = band_passes(len(p), 1 / dt, fraction, complete_below_hz, thinned=False)
     spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))
     for nominal, one in passes.items():
-        heard = one.of(spectrum, 0.0).values[first : len(p)]
-        found[nominal] = _decibel(float(np.mean(heard**2)))
+        passed = one.of(spectrum, 0.0).values[first : len(p)]
+        found[nominal] = _decibel(float(np.mean(passed**2)))
     return found
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from acoustics.arrays import Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError
-from acoustics.levels.bands import Fraction, passed_by
+from acoustics.levels.bands import Fraction, filter_reach
 from acoustics.reported import Reported
 from acoustics.tags import stored_as
 
@@ -202,10 +202,10 @@ def weighted_impact_level(levels_db: Mapping[float, float], *, step_db: float = 
     return ImpactRating(round(weighted, 6), round(adaptation, 6), excess, deciding)
 
 
-def shifted_curve(weighted_db: float) -> dict[float, float]:
+def shift_curve(weighted_db: float) -> dict[float, float]:
     """The reference curve of ISO 717-2 shifted to a weighted level {nominal third octave [Hz]: [dB]}.
 
-    >>> shifted_curve(79.0)[500.0], shifted_curve(79.0)[100.0]
+    >>> shift_curve(79.0)[500.0], shift_curve(79.0)[100.0]
     (79.0, 81.0)
     """
     return {band: level + weighted_db - CURVE_THIRDS[500.0] for band, level in CURVE_THIRDS.items()}
@@ -572,7 +572,7 @@ class Method:
     @property
     def passed_hz(self) -> float:
         """Up to where the filter of the last band passes what matters to its level [Hz]."""
-        return self._last_exact * passed_by(self.fraction)
+        return self._last_exact * filter_reach(self.fraction)
 
     @property
     def _last_exact(self) -> float:
@@ -597,9 +597,9 @@ def method_of(standards: Sequence[str], blows: Blows = "heavy") -> Method:
     others = [one for one in standards if one not in STANDARDS]
     if others or not standards:
         raise AcousticsError("levels", got=others[0] if others else "nothing", expected=" or ".join(STANDARDS))
-    wanted = tuple(one for one in STANDARDS if one in standards)
-    in_thirds = [one for one in wanted if one in (FIELD, RATING)]
-    in_octaves = [one for one in wanted if one not in in_thirds]
+    chosen = tuple(one for one in STANDARDS if one in standards)
+    in_thirds = [one for one in chosen if one in (FIELD, RATING)]
+    in_octaves = [one for one in chosen if one not in in_thirds]
     if in_thirds and in_octaves:
         raise AcousticsError(
             "levels",
@@ -608,8 +608,8 @@ def method_of(standards: Sequence[str], blows: Blows = "heavy") -> Method:
             do="for the other, add a second room of the same size at the same place",
         )
     if blows == "tapping":
-        refuse_source(wanted, TAPPING_MACHINE)
-    return _by_thirds(wanted, blows) if in_thirds else _by_octaves(wanted, blows)
+        refuse_source(chosen, TAPPING_MACHINE)
+    return _by_thirds(chosen, blows) if in_thirds else _by_octaves(chosen, blows)
 
 
 def refuse_source(standards: Sequence[str], source: str) -> None:
@@ -627,8 +627,8 @@ def sources_of(standards: Sequence[str]) -> tuple[str, ...]:
     (('rubber ball', 'tapping machine'), ('bang machine',))
     """
     thirds = (FIELD, RATING)
-    wanted = [RATING if one in thirds else one for one in standards]
-    return tuple(source for source, rated in _RATED_BY.items() if set(wanted) <= set(rated))
+    chosen = [RATING if one in thirds else one for one in standards]
+    return tuple(source for source, rated in _RATED_BY.items() if set(chosen) <= set(rated))
 
 
 def rating_of(source: str) -> tuple[str, ...]:
@@ -708,7 +708,7 @@ def _weighted(places_db: Floats) -> SingleNumber:
         found.weighted_db,
         finely.weighted_db,
         found.deciding_hz,
-        shifted_curve(found.weighted_db),
+        shift_curve(found.weighted_db),
         "shifted reference curve",
         {"C_I": found.adaptation_db},
     )

@@ -247,10 +247,10 @@ def _efficiency(k: float, waves: Waves, number: int, a: float, b: float) -> floa
 
 def _finer(angle: Floats, plate: Floats, share: Floats, reach: float) -> tuple[Floats, Floats, Floats]:
     """More directions, where waves from neighbours would part before they have crossed the rectangle."""
-    wanted = ceil(_DIRECTIONS[0] + _DIRECTIONS[1] * reach)
-    if wanted <= len(angle):
+    count = ceil(_DIRECTIONS[0] + _DIRECTIONS[1] * reach)
+    if count <= len(angle):
         return angle, plate, share
-    more: Floats = np.asarray((np.arange(wanted) + 0.5) * (pi / 2 / wanted), dtype=np.float64)
+    more: Floats = np.asarray((np.arange(count) + 0.5) * (pi / 2 / count), dtype=np.float64)
     # both are smooth, and even about the plate's axes
     known = np.concatenate([-angle[:2][::-1], angle, pi - angle[-2:][::-1]])
     found = [np.interp(more, known, np.concatenate([one[:2][::-1], one, one[-2:][::-1]])) for one in (plate, share)]

@@ -9,7 +9,7 @@ import numpy as np
 
 from acoustics.arrays import Complexes, Floats
 from acoustics.errors import AcousticsError
-from acoustics.rooms.box_pressure import faded, fast_length
+from acoustics.rooms.box_pressure import fade_out, fast_length
 
 TIME_S: Final = {"F": 0.125, "S": 1.0, "I": 0.035}
 IMPULSE_DECAY_S: Final = 1.5
@@ -42,7 +42,7 @@ def weighted(p: Floats, dt: float, kind: FrequencyWeighting) -> Floats:
 def weighted_by(p: Floats, dt: float, kinds: Sequence[FrequencyWeighting]) -> list[Floats]:
     """The same through each of several, its spectrum found once."""
     length = fast_length(2 * len(p))
-    spectrum = np.fft.rfft(faded(p, length - len(p)))
+    spectrum = np.fft.rfft(fade_out(p, length - len(p)))
     frequency_hz = np.asarray(np.fft.rfftfreq(length, dt), dtype=np.float64)
     gains = [frequency_weighting(frequency_hz, kind) for kind in kinds]
     return [np.fft.irfft(spectrum * gain, length)[: len(p)] for gain in gains]

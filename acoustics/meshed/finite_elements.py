@@ -70,33 +70,33 @@ def cavity_modes(mesh: CavityMesh, up_to: float) -> CavityModes:
     """
     limit = positive("up_to", up_to, "1/m") ** 2
     K, M = mesh.matrices
-    wanted = _count_below(K, M, limit)
-    shift = -limit / (wanted + 1)
+    mode_count = _count_below(K, M, limit)
+    shift = -limit / (mode_count + 1)
     factor = _factor(K - shift * M)
     n = K.shape[0]
-    if wanted + 2 >= n:
-        raise AcousticsError("up_to", got=f"{wanted} modes of {n} unknowns", expected="a finer mesh")
+    if mode_count + 2 >= n:
+        raise AcousticsError("up_to", got=f"{mode_count} modes of {n} unknowns", expected="a finer mesh")
     inverse = LinearOperator((n, n), matvec=factor.solve, dtype=np.float64)
     for spare in (12, 40, 120):  # Lanczos may need more vectors before it sees all modes of one frequency
         rng = np.random.default_rng(0)
-        count = min(wanted + spare, n - 1)
+        count = min(mode_count + spare, n - 1)
         start = rng.standard_normal(n)
         squared, shapes = eigsh(K, count, M=M, sigma=shift, OPinv=inverse, v0=start, tol=1e-10)
         order = np.argsort(squared)
         squared, shapes = squared[order], shapes[:, order]
         found = int(np.count_nonzero(squared < limit))
-        if found == wanted:
+        if found == mode_count:
             break
     else:
         raise AcousticsError(
-            "cavity modes", got=f"{found} modes", expected=f"{wanted} by the inertia count", do="change up_to"
+            "cavity modes", got=f"{found} modes", expected=f"{mode_count} by the inertia count", do="change up_to"
         )
     squared[0] = 0.0
     largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
     shapes = shapes * np.sign(largest) * np.sqrt(mesh.volume)
     shapes[:, 1:] -= (M.sum(axis=0) @ shapes[:, 1:]) / mesh.volume
     shapes[:, 0] = 1.0  # which it is; Lanczos has it to 1e-7
-    return CavityModes(mesh, np.sqrt(squared[:wanted]), shapes[:, :wanted], np.sqrt(limit), shift, factor)
+    return CavityModes(mesh, np.sqrt(squared[:mode_count]), shapes[:, :mode_count], np.sqrt(limit), shift, factor)
 
 
 def drive(modes: CavityModes, surface: SurfaceShapes) -> Floats:
@@ -110,7 +110,7 @@ def drive(modes: CavityModes, surface: SurfaceShapes) -> Floats:
     Raises AcousticsError: a point that is not on the boundary.
     """
     points = surface.points
-    away, reach = off_boundary(modes.mesh, points)
+    away, reach = boundary_distances(modes.mesh, points)
     if away.max() > OFF_WALL * reach:
         raise AcousticsError(
             "surface.points",
@@ -121,7 +121,7 @@ def drive(modes: CavityModes, surface: SurfaceShapes) -> Floats:
     return loads
 
 
-def off_boundary(mesh: CavityMesh, points: Floats, wall: str | None = None) -> tuple[Floats, float]:
+def boundary_distances(mesh: CavityMesh, points: Floats, wall: str | None = None) -> tuple[Floats, float]:
     """Distances [p] of points from the boundary, or from a named wall of it, and the largest reach of a facet [m].
 
     Infinite for points beyond the edges of all facets near them.

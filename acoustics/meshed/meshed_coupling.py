@@ -13,8 +13,8 @@ from acoustics.arrays import Floats, positive
 from acoustics.errors import AcousticsError
 from acoustics.losses import Losses
 from acoustics.meshed.finite_elements import CavityModes, drive, left_out
-from acoustics.meshed.walls import AnyWall, WallMotion, YieldingWall, absorbed, wall_motion
-from acoustics.rooms.box_coupling import MOST, CoupledAir, joined
+from acoustics.meshed.walls import AnyWall, WallMotion, YieldingWall, wall_absorption, wall_motion
+from acoustics.rooms.box_coupling import MOST, CoupledAir, join_air
 from acoustics.source import SurfaceShapes
 
 HELD: Final = "a stiffness above 0, as two-way coupling needs"
@@ -76,7 +76,7 @@ def coupled_cavity(
     scale = np.ones(loads.shape[1])
     scale[at] = 1 / np.sqrt(motion.mass + np.diag(added)[at])  # coordinates of unit mass, their own and the air's
     displaced, added = displaced * scale, scale[:, None] * added * scale
-    coupled = joined(
+    coupled = join_air(
         air,
         losses,
         volume,
@@ -84,7 +84,7 @@ def coupled_cavity(
         displaced[kept],
         0.5 * (added + added.T),
         complete_below_hz=complete,
-        absorbed=air.c * np.diag(absorbed(modes, walls, air))[kept][1:] if walls else None,
+        absorbed=air.c * np.diag(wall_absorption(modes, walls, air))[kept][1:] if walls else None,
     )
     return _with_walls(coupled, motion, at, scale[at])
 

@@ -18,19 +18,26 @@ from acoustics.meshed.walls import (
     Answer,
     AnyWall,
     Wall,
-    absorbed,
     complex_modes,
-    coupled_walls,
     coupling,
+    is_coupled,
     resonances,
-    solved_together,
+    wall_absorption,
+    wall_coupling_advice,
     wall_motion,
 )
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.box import wavenumber_squared
-from acoustics.rooms.box_pressure import extended, source_bandwidth, transform_axis
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, alike, apart, side_by_side
+from acoustics.rooms.box_pressure import extend_to_rest, source_bandwidth, transform_axis
+from acoustics.source import (
+    SurfaceShapes,
+    SurfaceVelocity,
+    SurfaceVibration,
+    refuse_unlike,
+    side_by_side,
+    with_own_coordinates,
+)
 
 # ----------------------------------------------------------------------------------------------------------------------
 # How fast sound dies away in a room of any shape: decays of its modes, and the reverberation time that is measured.
@@ -58,10 +65,10 @@ def decays(modes: CavityModes, air: Air, losses: Losses, walls: Mapping[str, Any
     One by one they decay with the rate of the losses and c int beta P_n^2 / 2 V; where walls couple them, as their
     complex modes do.
     """
-    taken = absorbed(modes, walls, air)
-    if solved_together(walls, coupling(modes, taken, air)):
-        poles, heard, driven = resonances(modes, air, losses, taken, wall_motion(modes, walls))
-        squares = (np.abs(heard) ** 2).sum(axis=0) * (np.abs(driven) ** 2).sum(axis=1)
+    taken = wall_absorption(modes, walls, air)
+    if is_coupled(walls, coupling(modes, taken, air)):
+        poles, at_receivers, driven = resonances(modes, air, losses, taken, wall_motion(modes, walls))
+        squares = (np.abs(at_receivers) ** 2).sum(axis=0) * (np.abs(driven) ** 2).sum(axis=1)
         ring = poles.imag > 0
         return Decays(poles.imag[ring] / (2 * np.pi), -poles.real[ring], squares[ring])
     hz = modes.wavenumber[1:] * air.c / (2 * np.pi)
@@ -84,8 +91,8 @@ def measured_t60(modes: Decays, centre_hz: float, fraction: Literal[1, 3] = 3) -
     """
     ratio, edge = modes.frequency_hz / centre_hz, 10 ** (0.15 / fraction)
     share = modes.square / (1 + ((ratio - 1 / ratio) / (edge - 1 / edge)) ** 8)  # order-4 Butterworth
-    heard = share > 1e-6 * share.max(initial=0.0)
-    rates, share = modes.rate[heard], share[heard]
+    audible = share > 1e-6 * share.max(initial=0.0)
+    rates, share = modes.rate[audible], share[audible]
     if not len(rates) or rates.min() <= _STILL:
         return inf
     t = np.linspace(0.0, -BOTTOM_DB / 10 * log(10) / (2 * rates.min()), _TIMES)
@@ -163,17 +170,17 @@ def cavity_pressures(
     """
     if losses.kind == "source":
         raise AcousticsError("losses", got="kind source", expected="a causal kind", do="use form: causal")
-    alike(surfaces)
+    refuse_unlike(surfaces)
     first = surfaces[0]
-    way = _way(modes, air, losses, walls or {}, first, positions(receivers))
+    transfer = _transfer_of(modes, air, losses, walls or {}, first, positions(receivers))
     nt = first.rates.shape[1]
     s, weight = transform_axis(nt, first.dt)
     found = []
     for surface in surfaces:
-        spectra = np.fft.rfft(extended(way.driving @ surface.rates, len(weight)) * weight, axis=1)
-        p = np.fft.irfft(way.heard(s, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
+        spectra = np.fft.rfft(extend_to_rest(transfer.driving @ surface.rates, len(weight)) * weight, axis=1)
+        p = np.fft.irfft(transfer.pressure(s, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
         p.flags.writeable = False
-        findings = (*_judgement(surface, modes, air), *way.advice)
+        findings = (*_judgement(surface, modes, air), *transfer.advice)
         found.append(RoomResponse(tuple(receivers), surface.t, p, findings))
     return found
 
@@ -193,12 +200,12 @@ def harmonic_cavity_pressure(
     Raises AcousticsError: a room without losses at a resonance, and as `cavity_pressure`.
     """
     hz = surface.frequency_hz
-    way = _way(modes, air, losses, walls or {}, surface, positions(receivers))
+    transfer = _transfer_of(modes, air, losses, walls or {}, surface, positions(receivers))
     with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-        p = way.heard(np.asarray(2j * np.pi * hz), way.driving @ surface.rates)
+        p = transfer.pressure(np.asarray(2j * np.pi * hz), transfer.driving @ surface.rates)
     if not np.isfinite(p).all():
         raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
-    return p, (*_limits(float(hz.max()), modes, air), *way.advice)
+    return p, (*_limits(float(hz.max()), modes, air), *transfer.advice)
 
 
 def cavity_loads(
@@ -217,12 +224,12 @@ def cavity_loads(
     out are the answers at rest to the shapes of the surface.
     """
     hz = np.asarray(frequency_hz, dtype=np.float64)
-    way = _way(modes, air, losses, walls or {}, surface, positions([source]), back=True)
+    transfer = _transfer_of(modes, air, losses, walls or {}, surface, positions([source]), back=True)
     with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-        found = way.heard(np.asarray(2j * np.pi * hz), np.repeat(way.driving, len(hz), axis=1))
+        found = transfer.pressure(np.asarray(2j * np.pi * hz), np.repeat(transfer.driving, len(hz), axis=1))
     if not np.isfinite(found).all():
         raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
-    return found, (*_limits(float(hz.max()), modes, air), *way.advice)
+    return found, (*_limits(float(hz.max()), modes, air), *transfer.advice)
 
 
 def cavity_powers(
@@ -238,10 +245,10 @@ def cavity_powers(
     The rest as `harmonic_cavity_pressure`, by whose pressure it is.
     """
     hz = surfaces[0].frequency_hz
-    shapes, rates, columns = apart(surfaces)
-    way = _way(modes, air, losses, walls or {}, side_by_side(shapes), None)
+    shapes, rates, columns = with_own_coordinates(surfaces)
+    transfer = _transfer_of(modes, air, losses, walls or {}, side_by_side(shapes), None)
     with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-        force = way.heard(np.asarray(2j * np.pi * hz), way.driving @ rates)
+        force = transfer.pressure(np.asarray(2j * np.pi * hz), transfer.driving @ rates)
     if not np.isfinite(force).all():
         raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
     flow = 0.5 * (rates.conj() * force).real
@@ -249,7 +256,7 @@ def cavity_powers(
 
 
 @dataclass(frozen=True, eq=False)
-class _Way:
+class _Transfer:
     """From integrals of the modes over what moves, driving [n, k] times rates, to pressures of the receivers."""
 
     driving: Floats
@@ -258,7 +265,7 @@ class _Way:
     term: Callable[[Complexes], Complexes]
     advice: tuple[Advice, ...]
 
-    def heard(self, s: Complexes, driven: Complexes) -> Complexes:
+    def pressure(self, s: Complexes, driven: Complexes) -> Complexes:
         """Pressures [n_receivers, nf] of the driven modes [n, nf] at complex frequencies s [nf]."""
         p = np.zeros((len(self.mixed), len(s)), dtype=np.complex128)
         width = max(1, _BATCH // len(self.right))
@@ -268,7 +275,7 @@ class _Way:
         return p
 
 
-def _way(
+def _transfer_of(
     modes: CavityModes,
     air: Air,
     losses: Losses,
@@ -277,29 +284,29 @@ def _way(
     places: Floats | None,
     *,
     back: bool = False,
-) -> _Way:
+) -> _Transfer:
     """The transfer from what moves to places [r, 3], or to the forces on its own shapes, and advice on the walls.
 
     back : from sources at the places to the forces on the shapes instead.
     """
     loads = drive(modes, surface)
     listening = loads.T if places is None else probe(modes.mesh, places)
-    coupled = coupling(modes, absorbed(modes, walls, air), air)
-    together = solved_together(walls, coupled)
+    coupled = coupling(modes, wall_absorption(modes, walls, air), air)
+    together = is_coupled(walls, coupled)
     resistive = {name: wall for name, wall in walls.items() if isinstance(wall, Wall)}
     forces = [wall_forces(modes, wall) for wall in resistive] if together else []
     modes = with_answers(modes, np.hstack([loads, wall_motion(modes, walls).loads, *forces]))
     motion = wall_motion(modes, walls)  # in all that there is now of pressure on the walls
-    taken = absorbed(modes, resistive, air)
+    taken = wall_absorption(modes, resistive, air)
     if together:
         left, right, term = complex_modes(modes, air, losses, taken, motion)
     else:
         left, right, term = _separate_modes(modes, air, losses, taken)
-    advice = coupled_walls(walls, coupled)
-    hearing, driving = np.asarray(listening @ modes.shapes), np.asarray(modes.shapes.T @ loads)
+    advice = wall_coupling_advice(walls, coupled)
+    receiving, driving = np.asarray(listening @ modes.shapes), np.asarray(modes.shapes.T @ loads)
     if back:
-        hearing, driving = driving.T, hearing.T
-    return _Way(driving, hearing @ left, right, term, advice)
+        receiving, driving = driving.T, receiving.T
+    return _Transfer(driving, receiving @ left, right, term, advice)
 
 
 def _separate_modes(modes: CavityModes, air: Air, losses: Losses, absorbed: Floats) -> Answer:

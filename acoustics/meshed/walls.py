@@ -61,8 +61,8 @@ class Wall:
     def at(self, frequency_hz: Floats) -> Floats:
         """Admittance [n] at frequencies [n] [Hz]."""
         known = np.log(list(self.admittance))
-        wanted = np.log(np.maximum(frequency_hz, float(np.exp(known[0]))))
-        values: Floats = np.interp(wanted, known, list(self.admittance.values()))
+        logarithms = np.log(np.maximum(frequency_hz, float(np.exp(known[0]))))
+        values: Floats = np.interp(logarithms, known, list(self.admittance.values()))
         return values
 
     @property
@@ -208,7 +208,7 @@ def wall_motion(modes: CavityModes, walls: Mapping[str, AnyWall]) -> WallMotion:
 COUPLED: Final = 0.05  # what walls couple two modes by, over the distance of their frequencies, to matter
 
 
-def absorbed(modes: CavityModes, walls: Mapping[str, AnyWall], air: Air) -> Floats:
+def wall_absorption(modes: CavityModes, walls: Mapping[str, AnyWall], air: Air) -> Floats:
     """Integrals of beta psi_n psi_m over all walls, over the volume [n, n] [1/m]; beta is the two modes' geometric
     mean. Walls that yield are not among them."""
     frequency_hz = modes.wavenumber * air.c / (2 * np.pi)
@@ -224,7 +224,7 @@ def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
     """Largest rate by which walls couple two modes, c |A_nm|, over the distance of their frequencies or, where they lie
     closer than that, over their own rates.
 
-    taken_up [n, n] : of `absorbed` [1/m].
+    taken_up [n, n] : of `wall_absorption` [1/m].
     """
     distance = air.c * np.abs(modes.wavenumber[:, None] - modes.wavenumber)
     rates = air.c * np.abs(taken_up)
@@ -234,7 +234,7 @@ def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
     return float(ratio.max(initial=0.0))
 
 
-def solved_together(walls: Mapping[str, AnyWall], coupled: float) -> bool:
+def is_coupled(walls: Mapping[str, AnyWall], coupled: float) -> bool:
     """Whether the modes of a room are complex ones, which walls couple, rather than each damped by itself.
 
     coupled : of `coupling`. However little it is: in a tube whose end couples two modes by 0.02, modes that are damped
@@ -243,7 +243,7 @@ def solved_together(walls: Mapping[str, AnyWall], coupled: float) -> bool:
     return coupled > 0.0 or any(isinstance(wall, YieldingWall) for wall in walls.values())
 
 
-def coupled_walls(walls: Mapping[str, AnyWall], coupled: float) -> tuple[Advice, ...]:
+def wall_coupling_advice(walls: Mapping[str, AnyWall], coupled: float) -> tuple[Advice, ...]:
     """Advice ``coupled-absorption`` where walls couple modes by what depends on frequency: two modes are coupled by the
     geometric mean of what damps each."""
     if coupled <= COUPLED or all(wall.constant for wall in walls.values() if isinstance(wall, Wall)):
@@ -266,7 +266,7 @@ def two_way_absorption(
 
     first_hz : the lowest mode of structure and air, 0 for none [Hz].
     """
-    taken = absorbed(modes, walls, air)
+    taken = wall_absorption(modes, walls, air)
     coupled = coupling(modes, taken, air)
     rate = air.c * float(taken[0, 0])  # at which walls let go of uniform pressure [1/s]
     lost = rate / (2 * np.pi * first_hz) if first_hz else 0.0
@@ -309,7 +309,7 @@ def resonances(
     """Poles [m] [1/s] of a room and its walls, what of the pressures of its modes is in each [n, m], and how these
     drive it [m, n].
 
-    absorbed [n, n] : A, of `absorbed` [1/m].
+    absorbed [n, n] : A, of `wall_absorption` [1/m].
 
     Notes
     -----

@@ -401,12 +401,12 @@ def radiation_pattern(
     main = np.take_along_axis(along, np.abs(along).argmax(axis=1)[:, None], axis=1)
     along = along * np.sign(main)
     e = np.cos(angle)[:, None] * normal + np.sin(angle)[:, None] * along[:, None]  # [2, n, 3]
-    way = (points - points.mean(axis=0)) @ e.reshape(-1, 3).T  # [p, 2 n]
+    path = (points - points.mean(axis=0)) @ e.reshape(-1, 3).T  # [p, 2 n]
     weighted = weights[:, None] * shapes
     pressure = np.empty((len(frequency_hz), 2, len(angle)))
     for line, f in enumerate(frequency_hz):
         k = 2 * np.pi * f / air.c
         moved = weighted @ rates[:, line]
-        pressure[line] = np.abs(f * air.rho * (moved @ np.exp(1j * k * way))).reshape(2, -1)
+        pressure[line] = np.abs(f * air.rho * (moved @ np.exp(1j * k * path))).reshape(2, -1)
     power = radiated_power(points, weights, shapes, rates, frequency_hz, air)
     return Directivity(frequency_hz, ANGLES_DEG, along, pressure, np.sqrt(power * air.rho * air.c / np.pi))

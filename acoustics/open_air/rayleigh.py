@@ -13,8 +13,8 @@ from acoustics.arrays import Complexes, Floats, freeze, frozen
 from acoustics.errors import AcousticsError, Advice
 from acoustics.receivers import Receiver, positions
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box_pressure import NEGLIGIBLE, PADDING, extended, fast_length, source_bandwidth
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, alike
+from acoustics.rooms.box_pressure import NEGLIGIBLE, PADDING, extend_to_rest, fast_length, source_bandwidth
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, refuse_unlike
 
 # ----------------------------------------------------------------------------------------------------------------------
 # The plane that the half space lies in front of, and its receivers.
@@ -159,7 +159,7 @@ def field_pressures(
     >>> print(f"{heard[960] * 2 * np.pi * 3.43 / (1.21 * 1e-4):.4f} {abs(heard[:470]).max() / heard.max():.4f}")
     2.0000 0.0000
     """
-    alike(surfaces)
+    refuse_unlike(surfaces)
     first = surfaces[0]
     on_plane(space, first.points)
     places = in_front(space, receivers)
@@ -168,7 +168,7 @@ def field_pressures(
     whole = int(np.ceil(PADDING * nt)) + 1
     length = fast_length(whole + int(np.ceil(longest / first.dt)))
     s = np.asarray(2j * np.pi * np.fft.rfftfreq(length, first.dt))
-    spectra = [np.fft.rfft(extended(one.rates, whole), length, axis=1) for one in surfaces]
+    spectra = [np.fft.rfft(extend_to_rest(one.rates, whole), length, axis=1) for one in surfaces]
     size = np.sum([np.abs(one).max(axis=0) for one in spectra], axis=0)
     above = np.cumsum(size[::-1])[::-1]
     last = max(1, int(np.count_nonzero(above > NEGLIGIBLE * above[0])))  # in silence none
@@ -179,8 +179,8 @@ def field_pressures(
             p[one, row, :last] = (sums * spectrum[:, :last].T).sum(axis=1)
     p *= space.air.rho * s / (2 * np.pi)
     found = []
-    for surface, heard in zip(surfaces, p, strict=True):
-        history = np.array(np.fft.irfft(heard, length, axis=1)[:, :nt])
+    for surface, transformed in zip(surfaces, p, strict=True):
+        history = np.array(np.fft.irfft(transformed, length, axis=1)[:, :nt])
         history.flags.writeable = False
         loudest = np.abs(surface.shapes).max(axis=0)
         highest_hz = source_bandwidth(loudest[:, None] * surface.rates, surface.dt)

@@ -17,7 +17,7 @@ from acoustics.errors import AcousticsError, Advice
 from acoustics.open_air.rayleigh import Baffle, in_front
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box_pressure import FADE, NEGLIGIBLE, PADDING, extended, fast_length
+from acoustics.rooms.box_pressure import FADE, NEGLIGIBLE, PADDING, extend_to_rest, fast_length
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Multipoles of a rigid sphere that moves along the normal of a rigid plane: what the plane sends back is in them.
@@ -179,7 +179,7 @@ def sphere_pressures(spheres: Sequence[Sphere], space: Baffle, receivers: Sequen
     p = np.zeros((len(places), len(f)), dtype=np.complex128)
     found: list[Advice] = []
     for sphere in spheres:
-        spectrum = np.fft.rfft(extended(sphere.velocity[None], whole)[0], length)
+        spectrum = np.fft.rfft(extend_to_rest(sphere.velocity[None], whole)[0], length)
         above = np.cumsum(np.abs(spectrum[::-1]))[::-1]
         loud = int(np.count_nonzero(above > NEGLIGIBLE * above[0])) if above[0] > 0 else 0
         last = min(loud, int(np.count_nonzero(f <= highest_hz(sphere.radius, space.air))))

@@ -50,7 +50,7 @@ class Box:
         return float(self.size[0] * self.size[1])
 
 
-def inside(room: Box, name: str, points: Floats) -> None:
+def refuse_outside(room: Box, name: str, points: Floats) -> None:
     """Refuse `points` [n, 3] outside the room; raises AcousticsError with the first of them.
 
     A rounding error of 1e-9 of the room's size is let through.
@@ -84,7 +84,7 @@ def room_modes(room: Box, up_to_hz: float) -> tuple[Floats, Integers]:
     return frequency_hz[order], indices[order]
 
 
-def on_ceiling(surface: SurfaceShapes, room: Box) -> None:
+def refuse_off_ceiling(surface: SurfaceShapes, room: Box) -> None:
     """Refuse a surface whose points do not lie on the room's ceiling, or cover more than it has.
 
     Raises AcousticsError: a point off the plane z = Lz by more than 1e-6 of the room's size, a point outside the
@@ -100,7 +100,7 @@ def on_ceiling(surface: SurfaceShapes, room: Box) -> None:
         )
     flat = surface.points.copy()
     flat[:, 2] = room.size[2]
-    inside(room, "surface.points", flat)
+    refuse_outside(room, "surface.points", flat)
     if surface.area > room.ceiling_area * (1 + 1e-6):
         raise AcousticsError(
             "surface.weights",
@@ -233,10 +233,10 @@ def transfer(room: Box, s: Complexes, k_lm: Floats, z: Floats) -> list[Complexes
     axis, the result is not finite.
     """
     mu = -1j * vertical_wavenumber(room, s, k_lm)  # now exp(mu x) = E(x)
-    ways = _ways(mu, float(room.size[2]), z)
-    whole = ways[0][0] * ways[0][1]  # E(Lz), the same at all heights
+    waves = _ways(mu, float(room.size[2]), z)
+    whole = waves[0][0] * waves[0][1]  # E(Lz), the same at all heights
     front = -room.air.rho * (s + 2 * room.losses.decay_rate) / (mu * (1 - whole * whole))
-    return [front * (down * (1 + up * up)) for up, down in ways]
+    return [front * (down * (1 + up * up)) for up, down in waves]
 
 
 def _ways(mu: Complexes, height: float, levels: Floats) -> list[tuple[Complexes | float, Complexes | float]]:
@@ -301,13 +301,13 @@ GROWTH: Final = 0.15  # of a large set of orders by its next block
 MOST: Final = 40  # orders beyond those of the band that the search for convergence may add
 
 
-def square(n_l: int, n_m: int) -> Integers:
+def order_grid(n_l: int, n_m: int) -> Integers:
     """All pairs of orders below n_l and n_m [n_l n_m, 2]."""
     grid = np.stack(np.meshgrid(np.arange(n_l), np.arange(n_m), indexing="ij"), axis=-1)
     return grid.reshape(-1, 2).astype(np.int64)
 
 
-def not_in(block: Integers, done: Integers) -> Integers:
+def orders_not_in(block: Integers, done: Integers) -> Integers:
     """Orders of a block that have not been done."""
     width = 1 + max(block.max(initial=0), done.max(initial=0))
     return block[~np.isin(block @ [width, 1], done @ [width, 1])]
@@ -318,12 +318,12 @@ def order_blocks(room: Box, orders: int | None, highest_hz: float) -> list[Integ
     if orders is not None:
         if orders < 1:
             raise AcousticsError("orders", got=str(orders), expected="at least 1")
-        return [square(n, n) for n in sorted({max(1, orders - 2), orders})]
+        return [order_grid(n, n) for n in sorted({max(1, orders - 2), orders})]
     most = max(max(band_orders(room, highest_hz)) + MOST, FIRST_ORDERS + 2)
     sizes = [FIRST_ORDERS]
     while sizes[-1] + 2 <= most:
         sizes.append(min(most, sizes[-1] + max(2, int(GROWTH * sizes[-1]))))
-    return [square(n, n) for n in sizes]
+    return [order_grid(n, n) for n in sizes]
 
 
 def band_orders(room: Box, highest_hz: float) -> tuple[int, int]:
@@ -349,7 +349,7 @@ def undriven(surfaces: Sequence[SurfaceVelocity], room: Box, done: Integers, hig
     surfaces : motions of one surface. Blocks that add nothing end the search; a surface that moves in a pattern finer
     than the last block would end it too early.
     """
-    left = not_in(square(*band_orders(room, highest_hz)), done)
+    left = orders_not_in(order_grid(*band_orders(room, highest_hz)), done)
     patterns = [np.abs(project(surfaces[0], room, some)) for some in (left, done)]
     return all(
         (patterns[0] @ one.sizes).max(initial=0.0) <= FINER * (patterns[1] @ one.sizes).max() for one in surfaces
@@ -362,8 +362,8 @@ def audible(
     """Which cosines `orders` [n, 2] could matter: the others, each in resonance all the time, would together stay below
     ENOUGH.
 
-    coefficients [n, k] : of the modes in them. products : of every motion, as `moved` tells them. quietest : of each,
-        the energy of what is heard so far at the quietest receiver, a sum of squares [Pa^2].
+    coefficients [n, k] : of the modes in them. products : of every motion, of `motion_products`. quietest : of each,
+        the energy so far at the quietest receiver, a sum of squares [Pa^2].
 
     Notes
     -----
@@ -384,7 +384,7 @@ def audible(
     return kept
 
 
-def moved(surface: SurfaceVelocity) -> Floats:
+def motion_products(surface: SurfaceVelocity) -> Floats:
     """Summed products of the modal rates [k, k]: a motion c @ rates has the sum of squares c @ products @ c. From some
     16,000 samples at least, which tell well enough."""
     every = max(1, surface.rates.shape[1] // SEEN)

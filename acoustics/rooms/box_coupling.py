@@ -30,12 +30,12 @@ from acoustics.losses import Losses
 from acoustics.rooms.box import (
     Box,
     horizontal_wavenumber,
-    inside,
-    not_in,
+    order_grid,
+    orders_not_in,
     overlaps,
+    refuse_outside,
     resolved_orders,
     room_modes,
-    square,
 )
 from acoustics.source import SurfaceShapes
 from acoustics.tags import stored_as
@@ -139,7 +139,7 @@ def coupled_air(room: Box, surface: SurfaceShapes, up_to_hz: float) -> CoupledAi
     27.253
     """
     points = surface.points
-    inside(room, "surface.points", points)
+    refuse_outside(room, "surface.points", points)
     finest = resolved_orders(room, points).clip(0, FINEST)
     frequency_hz, indices, complete = kept_modes(room, up_to_hz, np.append(finest, NO_END))
     weighted = surface.weights[:, None] * surface.shapes
@@ -147,10 +147,10 @@ def coupled_air(room: Box, surface: SurfaceShapes, up_to_hz: float) -> CoupledAi
     integrals = np.sqrt(multiplicity(indices))[:, None] * overlaps(room, flat, points, weighted)[place.ravel()]
     displaced = np.vstack([weighted.sum(axis=0), integrals])
     added = added_mass(room, points, weighted, indices, finest)
-    return joined(room.air, room.losses, room.volume, frequency_hz, displaced, added, complete_below_hz=complete)
+    return join_air(room.air, room.losses, room.volume, frequency_hz, displaced, added, complete_below_hz=complete)
 
 
-def joined(
+def join_air(
     air: Air,
     losses: Losses,
     volume: float,
@@ -222,7 +222,7 @@ def added_mass(room: Box, points: Floats, weighted: Floats, kept: Integers, fine
     mass = np.zeros((weighted.shape[1], weighted.shape[1]))
     done = np.zeros((0, 2), dtype=np.int64)
     while True:
-        new = not_in(square(*size), done)
+        new = orders_not_in(order_grid(*size), done)
         integrals = overlaps(room, new, points, weighted)
         factor = room.air.rho / room.ceiling_area * multiplicity(new) * _left_out(room, new, kept)
         part: Floats = (factor[:, None] * integrals).T @ integrals

@@ -17,13 +17,13 @@ from acoustics.rooms.box import (
     band_orders,
     cosines,
     horizontal_wavenumber,
-    inside,
-    not_in,
-    on_ceiling,
+    order_grid,
+    orders_not_in,
     overlaps,
     project,
+    refuse_off_ceiling,
+    refuse_outside,
     resolved_orders,
-    square,
     transfer,
 )
 from acoustics.rooms.room_advice import truncation
@@ -61,16 +61,16 @@ def harmonic_pressure(
     -11866.9 -11866.9
     """
     places, points, frequency_hz = positions(receivers), surface.points, surface.frequency_hz
-    inside(room, "surface.points", points)
+    refuse_outside(room, "surface.points", points)
     for receiver in receivers:
-        inside(room, f"receiver {receiver.name}", receiver.position[None, :])
+        refuse_outside(room, f"receiver {receiver.name}", receiver.position[None, :])
     weighted = surface.weights[:, None] * surface.shapes
     p = np.zeros((len(places), len(frequency_hz)), dtype=np.complex128)
     first = max(band_orders(room, float(frequency_hz.max())))
     most = np.minimum(np.array(band_orders(room, float(frequency_hz.max()))) + MOST, resolved_orders(room, points) + 1)
     done, share = np.zeros((0, 2), dtype=np.int64), 0.0
     for size in range(FIRST, int(most.max()) + BLOCK, BLOCK):
-        new = not_in(square(*np.minimum(size, most).tolist()), done)
+        new = orders_not_in(order_grid(*np.minimum(size, most).tolist()), done)
         part = _heard(room, new, weighted, points, surface.rates, frequency_hz, places)
         p += part
         done = np.concatenate([done, new])
@@ -94,10 +94,10 @@ def _heard(
     for start in range(0, len(hz), step):
         lines = slice(start, start + step)
         with np.errstate(divide="ignore", invalid="ignore"):  # a resonance without losses is refused just below
-            ways = transfer(room, np.asarray(2j * np.pi * hz[lines]), k_lm, heights)
-        for height, way in enumerate(ways):
+            transfers = transfer(room, np.asarray(2j * np.pi * hz[lines]), k_lm, heights)
+        for height, at_height in enumerate(transfers):
             rows = plane == height
-            p[rows, lines] = at_places[rows] @ (way * velocity[:, lines])
+            p[rows, lines] = at_places[rows] @ (at_height * velocity[:, lines])
     if not np.isfinite(p).all():
         raise AcousticsError("frequency", got="a resonance of a room without losses", expected="losses")
     return p
@@ -175,13 +175,13 @@ def pressure_map(
     ((2, 5, 3), True)
     """
     frequency_hz, fixed, axes = _plane(frequencies_hz, normal)
-    on_ceiling(surface, room)
+    refuse_off_ceiling(surface, room)
     first, second = (np.linspace(0, room.size[axis], n + 1) for axis, n in zip(axes, divisions, strict=True))
     corner = np.zeros((1, 3))
     corner[0, fixed] = at
-    inside(room, "map.at", corner)
+    refuse_outside(room, "map.at", corner)
     s = np.asarray(2j * np.pi * frequency_hz)
-    chosen = square(orders, orders)
+    chosen = order_grid(orders, orders)
     kernel = surface.dt * np.exp(-np.outer(surface.t, s))
     velocity = project(surface, room, chosen) @ (surface.rates @ kernel)
     heights = np.array([at]) if normal == "z" else second

@@ -25,20 +25,20 @@ from acoustics.rooms.box import (
     audible,
     cosines,
     horizontal_wavenumber,
-    inside,
-    moved,
-    not_in,
-    on_ceiling,
+    motion_products,
     order_blocks,
+    order_grid,
+    orders_not_in,
     overlaps,
     project,
-    square,
+    refuse_off_ceiling,
+    refuse_outside,
     transfer,
     undriven,
     wavenumber_squared,
 )
-from acoustics.rooms.room_advice import one_way, source_advice, truncation
-from acoustics.source import SurfaceShapes, SurfaceVelocity, alike
+from acoustics.rooms.room_advice import non_causal_advice, source_advice, truncation
+from acoustics.source import SurfaceShapes, SurfaceVelocity, refuse_unlike
 
 # ----------------------------------------------------------------------------------------------------------------------
 # From the rates of a ceiling's modes to the pressure at places of the room, at any complex frequencies.
@@ -49,7 +49,7 @@ MOST: Final = 4.0  # of the fastest wave's wavenumber, where places are at the c
 LEAST: Final = 1e-2  # of an evanescent wave's pressure at the ceiling that reaches the highest place
 
 
-def room_ways(room: Box, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
+def room_transfers(room: Box, surface: SurfaceShapes, places: Floats, s: Complexes) -> Complexes:
     """Pressure over modal rate [r, k, nf] at places [r, 3] of modes of the ceiling, at complex frequencies s [nf].
 
     Notes
@@ -61,7 +61,7 @@ def room_ways(room: Box, surface: SurfaceShapes, places: Floats, s: Complexes) -
     nearest = float(room.size[2] - heights.max())
     wave = np.sqrt(np.abs(wavenumber_squared(room.losses, room.air, s)))
     reach = np.minimum(np.hypot(wave, -log(LEAST) / nearest if nearest > 0 else inf), MOST * wave.max())
-    orders = square(*(int(reach.max() * length / np.pi) + 1 for length in room.size[:2].tolist()))
+    orders = order_grid(*(int(reach.max() * length / np.pi) + 1 for length in room.size[:2].tolist()))
     k_lm = horizontal_wavenumber(room, orders)
     order = np.argsort(k_lm, kind="stable")
     orders, k_lm = orders[order], k_lm[order]
@@ -72,10 +72,10 @@ def room_ways(room: Box, surface: SurfaceShapes, places: Floats, s: Complexes) -
     for start in range(0, len(s), LINES):
         lines = slice(start, start + LINES)
         near = int(np.searchsorted(k_lm, reach[lines].max(), side="right"))
-        ways = transfer(room, s[lines], k_lm[:near], heights)
+        transfers = transfer(room, s[lines], k_lm[:near], heights)
         for row, height in enumerate(plane):
             shares = (coefficients[:near] * mix[row, :near, None]).T
-            found[row, :, lines] = (shares @ ways[height].view(np.float64)).view(np.complex128)
+            found[row, :, lines] = (shares @ transfers[height].view(np.float64)).view(np.complex128)
     return found
 
 
@@ -136,7 +136,7 @@ def band_cut(frequency_hz: Floats, up_to_hz: float) -> Floats:
     return 0.5 * np.array([erfc(place) for place in flank.tolist()])
 
 
-def extended(velocity: Floats, length: int) -> Floats:
+def extend_to_rest(velocity: Floats, length: int) -> Floats:
     """`velocity` [n, nt] continued to `length` samples and brought smoothly to rest there.
 
     Notes
@@ -154,16 +154,16 @@ def extended(velocity: Floats, length: int) -> Floats:
     return whole
 
 
-def returned(velocity: Floats, length: int) -> Floats:
-    """`extended`, with a smooth pulse in the padding that brings the displacement back to where it started."""
-    whole = extended(velocity, length)
+def extend_and_return(velocity: Floats, length: int) -> Floats:
+    """`extend_to_rest`, with a smooth pulse in the padding that brings the displacement back to where it started."""
+    whole = extend_to_rest(velocity, length)
     nt = velocity.shape[1]
     pulse = 1 - np.cos(2 * np.pi * np.arange(length - nt) / (length - nt))
     whole[:, nt:] -= np.outer(whole.sum(axis=1), pulse / pulse.sum())
     return whole
 
 
-def faded(p: Floats, samples: int) -> Floats:
+def fade_out(p: Floats, samples: int) -> Floats:
     """`p` [nt] and after it its last value, fading to zero as half a cosine over `samples`."""
     return np.concatenate([p, p[-1] * 0.5 * (1 + np.cos(np.pi * np.arange(1, samples + 1) / (samples + 1)))])
 
@@ -171,7 +171,7 @@ def faded(p: Floats, samples: int) -> Floats:
 def source_bandwidth(velocity: Floats, dt: float) -> float:
     """Frequency [Hz] below which all but 1e-6 of the energy of the velocities [n, nt] lies."""
     length = fast_length(2 * velocity.shape[1])
-    energy = (np.abs(np.fft.rfft(extended(velocity, length), axis=1)) ** 2).sum(axis=0)
+    energy = (np.abs(np.fft.rfft(extend_to_rest(velocity, length), axis=1)) ** 2).sum(axis=0)
     total = np.cumsum(energy)
     highest = int(np.searchsorted(total, (1 - 1e-6) * total[-1])) if total[-1] > 0 else 0
     return float(np.fft.rfftfreq(length, dt)[highest])
@@ -199,17 +199,17 @@ class Plane:
     histories: tuple[Floats, ...] = ()
 
 
-Heard = tuple[Plane, ...]  # at all heights, from the lowest
+Histories = tuple[Plane, ...]  # at all heights, from the lowest
 
 
-def silence(places: Floats) -> Heard:
+def silence(places: Floats) -> Histories:
     """Receivers at places [n, 3] [m] by their heights, without sound yet."""
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     rows = [np.flatnonzero(plane == number) for number in range(len(heights))]
     return tuple(Plane(here, places[here]) for here in rows)
 
 
-def added(plane: Plane, mix: Floats | None, history: Floats) -> Plane:
+def add_histories(plane: Plane, mix: Floats | None, history: Floats) -> Plane:
     """With histories [n, nt] of cosines, mixed by mix [n_here, n]; of the listeners themselves where it is None."""
     if mix is None:
         own = history if plane.own is None else plane.own + history
@@ -217,10 +217,10 @@ def added(plane: Plane, mix: Floats | None, history: Floats) -> Plane:
     return Plane(plane.rows, plane.places, plane.own, (*plane.mixes, mix), (*plane.histories, history))
 
 
-def energies(heard: Heard) -> Floats:
+def energies(histories: Histories) -> Floats:
     """Energy at every listener [n], sums of squares."""
-    energy = np.zeros(sum(len(plane.rows) for plane in heard))
-    for plane in heard:
+    energy = np.zeros(sum(len(plane.rows) for plane in histories))
+    for plane in histories:
         if plane.own is None and plane.mixes:
             energy[plane.rows] = energy_of(np.hstack(plane.mixes), np.vstack(plane.histories))
         elif plane.own is not None:
@@ -228,13 +228,13 @@ def energies(heard: Heard) -> Floats:
     return energy
 
 
-def pressure_of(heard: Heard, nt: int) -> Floats:
+def pressure_of(histories: Histories, nt: int) -> Floats:
     """Pressure at every listener [n, nt], read-only."""
-    wholes = [_mixed(plane, nt) for plane in heard]
+    wholes = [_mixed(plane, nt) for plane in histories]
     p = wholes[0]
     if len(wholes) > 1:
         p = np.empty((sum(map(len, wholes)), nt))
-        for plane, whole in zip(heard, wholes, strict=True):
+        for plane, whole in zip(histories, wholes, strict=True):
             p[plane.rows] = whole
     p.flags.writeable = False
     return p
@@ -346,37 +346,37 @@ def pressures_and_orders(
     up_to_hz: float = inf,
 ) -> tuple[list[RoomResponse], list[Integers], Integers]:
     """`pressures`, the cosines [n, 2] that were evaluated for them by blocks, and all that were looked at [m, 2]."""
-    alike(surfaces)
-    on_ceiling(surfaces[0], room)
+    refuse_unlike(surfaces)
+    refuse_off_ceiling(surfaces[0], room)
     places = positions(receivers)
     for receiver in receivers:
-        inside(room, f"receiver {receiver.name}", receiver.position[None, :])
+        refuse_outside(room, f"receiver {receiver.name}", receiver.position[None, :])
     first = surfaces[0]
-    broad = project(first, room, square(2, 2))
+    broad = project(first, room, order_grid(2, 2))
     highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
     top = min(max(highest_hz), 2 * up_to_hz)
-    products = [moved(surface) for surface in surfaces] if orders is None else []
+    products = [motion_products(surface) for surface in surfaces] if orders is None else []
     motion = _motion(surfaces, room, up_to_hz)
     sums = [silence(places) for _ in surfaces]
     done, shares = np.zeros((0, 2), dtype=np.int64), [0.0] * len(surfaces)
     blocks = []
     for block in order_blocks(room, orders, top):
-        new = not_in(block, done)
+        new = orders_not_in(block, done)
         coefficients = project(first, room, new)
         chosen = _driven(surfaces, coefficients)
         if orders is None and len(done):
-            chosen &= audible(coefficients, products, room, new, [energies(heard).min() for heard in sums])
-        told = orders is None or len(done) + len(new) == orders**2  # of fewer cosines than asked for nobody hears
-        sums, shares = _with_cosines(motion, room, new[chosen], coefficients[chosen], sums, told)
+            chosen &= audible(coefficients, products, room, new, [energies(histories).min() for histories in sums])
+        complete = orders is None or len(done) + len(new) == orders**2  # of fewer cosines than asked for nobody hears
+        sums, shares = _with_cosines(motion, room, new[chosen], coefficients[chosen], sums, complete)
         done = np.concatenate([done, new])
         blocks.append(new[chosen])
         more = len(done) > len(new) and max(shares) < ENOUGH
         if orders is None and more and undriven(surfaces, room, done, top):
             break
     found = []
-    for surface, heard, share, highest in zip(surfaces, sums, shares, highest_hz, strict=True):
-        findings = (*source_advice(surface, room, done, highest), *truncation(share, done), *one_way(room))
-        found.append(RoomResponse(tuple(receivers), surface.t, pressure_of(heard, len(surface.t)), findings))
+    for surface, histories, share, highest in zip(surfaces, sums, shares, highest_hz, strict=True):
+        findings = (*source_advice(surface, room, done, highest), *truncation(share, done), *non_causal_advice(room))
+        found.append(RoomResponse(tuple(receivers), surface.t, pressure_of(histories, len(surface.t)), findings))
     return found, blocks, done
 
 
@@ -398,14 +398,16 @@ def _motion(surfaces: Sequence[SurfaceVelocity], room: Box, up_to_hz: float) -> 
     first = surfaces[0]
     weighted = room.losses.kind != "source"
     s, weight = transform_axis(first.rates.shape[1], first.dt, damped=weighted)
-    wanted = band_end(len(s))
+    passband = band_end(len(s))
     if up_to_hz < inf:
-        wanted *= band_cut(s.imag / (2 * np.pi), up_to_hz)
+        passband *= band_cut(s.imag / (2 * np.pi), up_to_hz)
     spectra, displaced = [], []
     largest = np.abs(first.shapes).max(axis=0, initial=0)
     size = np.zeros(len(s))
     for surface in surfaces:
-        future = extended(surface.rates, len(weight)) if weighted else returned(surface.rates, len(weight))
+        future = (
+            extend_to_rest(surface.rates, len(weight)) if weighted else extend_and_return(surface.rates, len(weight))
+        )
         if weighted:
             future *= weight
         else:
@@ -413,7 +415,7 @@ def _motion(surfaces: Sequence[SurfaceVelocity], room: Box, up_to_hz: float) -> 
             displaced.append((np.cumsum(steps, axis=1) - 0.5 * steps).sum(axis=1))
         spectrum = np.fft.rfft(future, axis=1).astype(np.complex128, copy=False)
         if weighted:
-            spectrum *= wanted
+            spectrum *= passband
         size += (largest[:, None] * np.abs(spectrum)).max(axis=0, initial=0)
         spectra.append(spectrum)
     above = np.cumsum(size[::-1])[::-1]
@@ -431,11 +433,11 @@ def _driven(surfaces: Sequence[SurfaceVelocity], coefficients: Floats) -> NDArra
 
 
 def _with_cosines(
-    motion: _Motion, room: Box, orders: Integers, coefficients: Floats, sums: Sequence[Heard], told: bool
-) -> tuple[list[Heard], list[float]]:
+    motion: _Motion, room: Box, orders: Integers, coefficients: Floats, sums: Sequence[Histories], complete: bool
+) -> tuple[list[Histories], list[float]]:
     """The sound of every motion with what the cosines `orders` of the ceiling make, and their shares of it.
 
-    coefficients [n, k] : of the modes in the cosines. told : whether the shares are wanted; 0 where not.
+    coefficients [n, k] : of the modes in the cosines. complete : whether the shares are wanted; 0 where not.
     """
     length, nt = len(motion.weight), motion.nt
     inwards = np.argsort(horizontal_wavenumber(room, orders), kind="stable")
@@ -451,16 +453,18 @@ def _with_cosines(
         chosen = orders[start : start + batch]
         mixes = [cosines(room, chosen, there) for there in places]
         found = _through(motion, room, chosen, coefficients[start : start + batch], heights, mixes)
-        for number, (heard, energy, parts) in enumerate(zip(sums, made, found, strict=True)):
+        for number, (histories, energy, parts) in enumerate(zip(sums, made, found, strict=True)):
             planes = []
-            for plane, part, mix in zip(heard, parts, mixes, strict=True):
+            for plane, part, mix in zip(histories, parts, mixes, strict=True):
                 history = np.fft.irfft(part, length, axis=1)[:, :nt] / motion.weight[:nt]
                 shared = None if _few(mix) else mix
-                planes.append(added(plane, shared, history))
-                if told:
+                planes.append(add_histories(plane, shared, history))
+                if complete:
                     energy[plane.rows] += energy_of(shared, history)
             sums[number] = tuple(planes)
-    return sums, [_worst_share(part, energies(heard)) if told else 0.0 for part, heard in zip(made, sums, strict=True)]
+    return sums, [
+        _worst_share(part, energies(histories)) if complete else 0.0 for part, histories in zip(made, sums, strict=True)
+    ]
 
 
 def _worst_share(of_part: Floats, of_all: Floats) -> float:
@@ -503,11 +507,11 @@ def _through(
         width = max(1, _BLOCK // len(own_k))
         for start in range(begin, last, width):
             band = slice(start, min(start + width, last))
-            ways = transfer(room, motion.s[band], own_k, heights)
+            transfers = transfer(room, motion.s[band], own_k, heights)
             for own, spectra in zip(parts, motion.spectra, strict=True):
                 driving = (coefficients[tile] @ spectra[:, band].view(np.float64)).view(np.complex128)
-                for height, way in enumerate(ways):
-                    driven, mix = way * driving, mixes[height]
+                for height, at_height in enumerate(transfers):
+                    driven, mix = at_height * driving, mixes[height]
                     if _few(mix):
                         own[height][:, band] += (mix[:, tile] @ driven.view(np.float64)).view(np.complex128)
                     else:
@@ -545,7 +549,7 @@ class RoomTransfer:
     orders: Integers
 
     @cached_property
-    def ways(self) -> tuple[Complexes, Complexes]:
+    def transfers(self) -> tuple[Complexes, Complexes]:
         """Pressure over modal rate [r, k, nf], of all cosines and of those added last, weighted for the record's
         transform."""
         before, last = (_ways(self, block) for block in (np.concatenate(self.blocks[:-1]), self.blocks[-1]))
@@ -553,12 +557,12 @@ class RoomTransfer:
 
     def prepare(self) -> None:
         """Find the ways now."""
-        _ = self.ways
+        _ = self.transfers
 
     @property
     def per_rate(self) -> Complexes:
         """Pressure over modal rate [r, k, nf] on the first of the lines `transform_axis` gives for the record."""
-        return self.ways[0]
+        return self.transfers[0]
 
     def of(self, surface: SurfaceVelocity, room: object, receivers: Sequence[Receiver], up_to_hz: float) -> bool:
         """Whether a motion is one of this ceiling in this room, in a record of the same length and sampling."""
@@ -583,15 +587,15 @@ class RoomTransfer:
         Cosines that were left out as inaudible must be so now, those added last must add no more than they may, and
         none of the motions' band must be missing: the tests of the search that found them.
         """
-        alike(surfaces)
-        first, room, orders, (whole, last) = surfaces[0], self.room, self.orders, self.ways
+        refuse_unlike(surfaces)
+        first, room, orders, (whole, last) = surfaces[0], self.room, self.orders, self.transfers
         nt = first.rates.shape[1]
-        broad = project(first, room, square(2, 2))
+        broad = project(first, room, order_grid(2, 2))
         highest_hz = [source_bandwidth(broad @ surface.rates, surface.dt) for surface in surfaces]
         _, weight = transform_axis(nt, first.dt)
         found, quietest = [], []
         for surface, highest in zip(surfaces, highest_hz, strict=True):
-            spectra = np.fft.rfft(extended(surface.rates, len(weight)) * weight, axis=1)[:, : whole.shape[2]]
+            spectra = np.fft.rfft(extend_to_rest(surface.rates, len(weight)) * weight, axis=1)[:, : whole.shape[2]]
             p, share = _heard(whole, spectra, weight, nt), _heard(last, spectra, weight, nt)
             energy, part = (np.einsum("rt,rt->r", one, one) for one in (p, share))
             worst = float(np.sqrt(np.divide(part, energy, out=np.zeros_like(energy), where=energy > 0).max()))
@@ -601,18 +605,21 @@ class RoomTransfer:
             findings = (
                 *source_advice(surface, room, orders, highest),
                 *truncation(worst, orders),
-                *one_way(room),
+                *non_causal_advice(room),
             )
             found.append(RoomResponse(self.receivers, surface.t, p, findings))
         top = min(max(highest_hz), 2 * self.up_to_hz)
         if not undriven(surfaces, room, orders, top):
             return None
-        products, left = [moved(surface) for surface in surfaces], not_in(orders, np.concatenate(self.blocks))
+        products, left = (
+            [motion_products(surface) for surface in surfaces],
+            orders_not_in(orders, np.concatenate(self.blocks)),
+        )
         missed = len(left) and audible(project(first, room, left), products, room, left, quietest).any()
         return None if missed else found
 
 
-def search(
+def pressures_and_transfer(
     surfaces: Sequence[SurfaceVelocity], room: Box, receivers: Sequence[Receiver], up_to_hz: float = inf
 ) -> tuple[list[RoomResponse], RoomTransfer | None]:
     """Pressures as `pressures` has them, and the transfer through the cosines they took.
@@ -630,9 +637,9 @@ def _values(room: Box) -> tuple[object, ...]:
     return (*room.size.tolist(), *astuple(room.air), *astuple(room.losses))
 
 
-def _heard(ways: Complexes, spectra: Complexes, weight: Floats, nt: int) -> Floats:
+def _heard(transfers: Complexes, spectra: Complexes, weight: Floats, nt: int) -> Floats:
     """Pressures [r, nt] of modal rates with spectra [k, nf]."""
-    p = np.fft.irfft(np.einsum("rkf,kf->rf", ways, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
+    p = np.fft.irfft(np.einsum("rkf,kf->rf", transfers, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
     p.flags.writeable = False
     return np.asarray(p)
 
@@ -641,8 +648,8 @@ def _ways(kept: RoomTransfer, orders: Integers) -> Complexes:
     """Pressure over modal rate [r, k, nf] that some cosines make, weighted as spectra of the record are."""
     surface, room, receivers, up_to_hz = kept.surface, kept.room, kept.receivers, kept.up_to_hz
     s, _ = transform_axis(surface.rates.shape[1], surface.dt)
-    wanted = band_end(len(s)) * (band_cut(s.imag / (2 * np.pi), up_to_hz) if up_to_hz < inf else 1.0)
-    nf = int(np.flatnonzero(wanted > _LEAST_WEIGHT)[-1]) + 1
+    passband = band_end(len(s)) * (band_cut(s.imag / (2 * np.pi), up_to_hz) if up_to_hz < inf else 1.0)
+    nf = int(np.flatnonzero(passband > _LEAST_WEIGHT)[-1]) + 1
     s, places = s[:nf], positions(receivers)
     heights, plane = np.unique(places[:, 2], return_inverse=True)
     found = np.zeros((len(receivers), surface.shapes.shape[1], nf), dtype=np.complex128)
@@ -662,9 +669,9 @@ def _ways(kept: RoomTransfer, orders: Integers) -> Complexes:
         width = max(1, _KEPT_BLOCK // len(k_lm[tile]))
         for start in range(int(np.searchsorted(reach, k_lm[tile][0])), nf, width):
             band = slice(start, min(start + width, nf))
-            ways = transfer(room, s[band], k_lm[tile], heights)
+            transfers = transfer(room, s[band], k_lm[tile], heights)
             for row, height in enumerate(plane):
                 shares = (coefficients[tile] * mix[row, tile, None]).T
-                found[row, :, band] += (shares @ ways[height].view(np.float64)).view(np.complex128)
-    found *= wanted[:nf]
+                found[row, :, band] += (shares @ transfers[height].view(np.float64)).view(np.complex128)
+    found *= passband[:nf]
     return found

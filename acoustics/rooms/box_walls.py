@@ -19,12 +19,12 @@ from acoustics.rooms.box import (
     band_orders,
     cosines,
     horizontal_wavenumber,
-    inside,
-    not_in,
+    order_grid,
+    orders_not_in,
     overlaps,
+    refuse_outside,
     resolved_orders,
     room_modes,
-    square,
     vertical_wavenumber,
     wavenumber_squared,
 )
@@ -35,14 +35,21 @@ from acoustics.rooms.box_coupling import (
     CoupledAir,
     added_mass,
     coupled_air,
-    joined,
+    join_air,
     kept_modes,
     multiplicity,
 )
 from acoustics.rooms.box_harmonic import PressureMap, harmonic_pressure, pressure_map
-from acoustics.rooms.box_pressure import RoomTransfer, search
+from acoustics.rooms.box_pressure import RoomTransfer, pressures_and_transfer
 from acoustics.rooms.room_advice import truncation
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, alike, apart, side_by_side
+from acoustics.source import (
+    SurfaceShapes,
+    SurfaceVelocity,
+    SurfaceVibration,
+    refuse_unlike,
+    side_by_side,
+    with_own_coordinates,
+)
 
 CEILING: Final = "ceiling"
 AXIS: Final = {"x": 0, "y": 1, "floor": 2, "ceiling": 2}
@@ -198,14 +205,14 @@ def wall_loads(
     >>> print(f"{loads[0, 0].imag:.1f} {-box.air.bulk_modulus * box.ceiling_area / box.volume / (2 * np.pi):.1f}")
     -226565.6 -226565.5
     """
-    inside(room, "source", place[None, :])
+    refuse_outside(room, "source", place[None, :])
     found = np.zeros((surface.shapes.shape[1], len(frequency_hz)), dtype=np.complex128)
     advice: tuple[Advice, ...] = ()
     for turn, part in by_wall(room, surface).items():
         there, source = turn.surface(room, part), turn.points(room, place[None, :])
-        loads, told = _ceiling_loads(turn.box(room), there, source, frequency_hz)
+        loads, more = _ceiling_loads(turn.box(room), there, source, frequency_hz)
         found += loads
-        advice = advice or told
+        advice = advice or more
     return found, advice
 
 
@@ -219,7 +226,7 @@ def _ceiling_loads(
     least = max(band_orders(room, float(frequency_hz.max())))
     done, share = np.zeros((0, 2), dtype=np.int64), 0.0
     for size in range(BLOCK, int(most.max()) + BLOCK, BLOCK):
-        new = not_in(square(*np.minimum(size, most).tolist()), done)
+        new = orders_not_in(order_grid(*np.minimum(size, most).tolist()), done)
         part = _of_orders(room, new, surface.points, weighted, source, frequency_hz)
         found += part
         done = np.concatenate([done, new])
@@ -274,11 +281,11 @@ def coupled_walls(room: Box, surface: SurfaceShapes, up_to_hz: float, most: int 
     parts = by_wall(room, surface)
     if [*parts] == [Turn(CEILING)] and most == MOST:
         return coupled_air(room, surface, up_to_hz)
-    inside(room, "surface.points", surface.points)
+    refuse_outside(room, "surface.points", surface.points)
     frequency_hz, indices, complete = kept_modes(room, up_to_hz, finest_of(room, parts), most)
     displaced = displacements(room, parts, indices)
     added = left_out_mass(room, parts, indices)
-    return joined(room.air, room.losses, room.volume, frequency_hz, displaced, added, complete_below_hz=complete)
+    return join_air(room.air, room.losses, room.volume, frequency_hz, displaced, added, complete_below_hz=complete)
 
 
 def displacements(room: Box, parts: Parts, indices: Integers) -> Floats:
@@ -335,7 +342,7 @@ def _opposite(room: Box, one: tuple[Turn, SurfaceShapes], other: tuple[Turn, Sur
     along = list(turn.axes[:2])
     length = float(room.size[turn.axis])
     counts = np.minimum(_resolved(room, *one), _resolved(room, *other)) + 1
-    orders = square(*counts.tolist())
+    orders = order_grid(*counts.tolist())
     k = np.pi * np.hypot(*(orders / room.size[along]).T)
     uniform = k == 0
     safe = np.where(uniform, 1.0, k)
@@ -361,7 +368,7 @@ def _adjacent(room: Box, one: tuple[Turn, SurfaceShapes], other: tuple[Turn, Sur
     counts = limits + 1
     for turn, part in (one, other):
         free = ({0, 1, 2} - {turn.axis, edge}).pop()
-        grid = square(int(counts[edge]), int(counts[free]))
+        grid = order_grid(int(counts[edge]), int(counts[free]))
         orders = grid if turn.axes[0] == edge else grid[:, ::-1]
         found = _cosines_on(room, turn, part, np.ascontiguousarray(orders))
         shares.append(found.reshape(counts[edge], counts[free], -1))
@@ -417,7 +424,7 @@ def wall_powers(room: Box, surfaces: Sequence[SurfaceVibration], up_to_hz: float
     (0.5941, 0.5941)
     """
     hz = surfaces[0].frequency_hz
-    shapes, rates, columns = apart(surfaces)
+    shapes, rates, columns = with_own_coordinates(surfaces)
     parts = by_wall(room, side_by_side(shapes))
     reach = BEYOND * float(hz.max()) if up_to_hz is None else up_to_hz
     indices = room_modes(room, reach)[1]
@@ -488,13 +495,13 @@ class WallTransfers:
     def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
         """Pressures of other motions; None where a wall needs other cosines."""
         split = [by_wall(self.room, surface) for surface in surfaces]
-        heard = []
+        pressures = []
         for turn, kept in self.walls:
             found = kept.pressures([turn.surface(self.room, parts[turn]) for parts in split])
             if found is None:
                 return None
-            heard.append(found)
-        return [_sum(self.receivers, each) for each in zip(*heard, strict=True)]
+            pressures.append(found)
+        return [_sum(self.receivers, each) for each in zip(*pressures, strict=True)]
 
 
 def wall_pressures(
@@ -509,21 +516,21 @@ def wall_pressures(
     The field of every wall is the closed form along its own normal, those of the others being rigid meanwhile; the
     pressure is their sum. The search for cosines ends at every wall as it does at a ceiling alone.
     """
-    alike(surfaces)
+    refuse_unlike(surfaces)
     positions(receivers)
     split = [by_wall(room, surface) for surface in surfaces]
     turns = [*split[0]]
     if turns == [Turn("ceiling")]:
-        return search(surfaces, room, receivers, up_to_hz)
-    heard, kept = [], []
+        return pressures_and_transfer(surfaces, room, receivers, up_to_hz)
+    pressures, kept = [], []
     for turn in turns:
         moving = [turn.surface(room, parts[turn]) for parts in split]
-        found, transfer = search(moving, turn.box(room), turn.receivers(room, [*receivers]), up_to_hz)
-        heard.append(found)
+        found, transfer = pressures_and_transfer(moving, turn.box(room), turn.receivers(room, [*receivers]), up_to_hz)
+        pressures.append(found)
         kept.append((turn, transfer))
     whole = [(turn, one) for turn, one in kept if one is not None]
     transfers = WallTransfers(room, tuple(receivers), tuple(whole)) if len(whole) == len(turns) else None
-    return [_sum(receivers, each) for each in zip(*heard, strict=True)], transfers
+    return [_sum(receivers, each) for each in zip(*pressures, strict=True)], transfers
 
 
 def wall_harmonic(
@@ -534,9 +541,9 @@ def wall_harmonic(
     p = np.zeros((len(positions(receivers)), len(surface.frequency_hz)), dtype=np.complex128)
     advice: list[Advice] = []
     for turn, part in by_wall(room, surface).items():
-        own, told = harmonic_pressure(turn.surface(room, part), turn.box(room), turn.receivers(room, [*receivers]))
+        own, more = harmonic_pressure(turn.surface(room, part), turn.box(room), turn.receivers(room, [*receivers]))
         p += own
-        advice += told
+        advice += more
     return p, _once(advice)
 
 
@@ -581,9 +588,9 @@ def _sum(receivers: Sequence[Receiver], parts: Sequence[RoomResponse]) -> RoomRe
         return RoomResponse(tuple(receivers), parts[0].t, parts[0].p, parts[0].findings)
     p: Floats = np.sum([one.p for one in parts], axis=0)
     p.flags.writeable = False
-    return RoomResponse(tuple(receivers), parts[0].t, p, _once([told for one in parts for told in one.findings]))
+    return RoomResponse(tuple(receivers), parts[0].t, p, _once([finding for one in parts for finding in one.findings]))
 
 
-def _once(told: Sequence[Advice]) -> tuple[Advice, ...]:
+def _once(findings: Sequence[Advice]) -> tuple[Advice, ...]:
     """The first advice of every code: walls have their own."""
-    return tuple({one.code: one for one in reversed(told)}.values())[::-1]
+    return tuple({one.code: one for one in reversed(findings)}.values())[::-1]

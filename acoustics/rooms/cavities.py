@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, Integers, freeze, frozen, positive
 from acoustics.errors import AcousticsError
-from acoustics.rooms.box import Box, horizontal_wavenumber, not_in, overlaps, resolved_orders, square
+from acoustics.rooms.box import Box, horizontal_wavenumber, order_grid, orders_not_in, overlaps, resolved_orders
 from acoustics.source import SurfaceShapes
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -285,7 +285,7 @@ def _remainder(box: Box, orders: Integers, kept: Integers, boundaries: Boundarie
     size = [int(orders[:, axis].max(initial=0)) + 1 for axis in (0, 1)]
     done, mass = orders, np.zeros((own.shape[1], own.shape[1]))
     while True:
-        new = not_in(square(*size), done)
+        new = orders_not_in(order_grid(*size), done)
         part = np.zeros_like(mass)
         if len(new):
             rows = _fields(box, new, kept[:0], boundaries)
@@ -555,7 +555,7 @@ DECADES: Final = 1.7  # the lowest of them is the band's end over 50
 _APART: Final = 1e-13  # of what two coordinates have of their own: rounding
 
 
-def condensed(air: CavityAir, omega: Floats, top_hz: float, allowed: float = ALLOWED) -> CavityAir:
+def condense_air(air: CavityAir, omega: Floats, top_hz: float, allowed: float = ALLOWED) -> CavityAir:
     """The same air with fewer coordinates of its own, for motions up to a frequency.
 
     omega [k] : circular frequencies of the coordinates of the surfaces: below its own, one reacts as a stiffness, and
@@ -569,7 +569,7 @@ def condensed(air: CavityAir, omega: Floats, top_hz: float, allowed: float = ALL
     >>> from acoustics.source import SurfaceShapes
     >>> one, other = (SurfaceShapes([[0.5, 0.5, 0]], [1.0], [row]) for row in ([0.1, 0.0], [0.0, 0.2]))
     >>> whole = cavity_air(Cavity([1.0, 1.0, 0.2], wool=Wool(10e3)), one, other, up_to_hz=3000.0)
-    >>> few = condensed(whole, np.zeros(2), top_hz=100.0)
+    >>> few = condense_air(whole, np.zeros(2), top_hz=100.0)
     >>> len(whole.viscous), len(few.viscous)
     (14, 8)
     """
@@ -666,7 +666,7 @@ def _directions(energy: Floats, weigh: Floats, allowed: float) -> Floats:
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def together(airs: Sequence[CavityAir], k: int) -> CavityAir:
+def combine_cavities(airs: Sequence[CavityAir], k: int) -> CavityAir:
     """The air of several cavities over the k coordinates of the structure and all of their own.
 
     >>> from acoustics.rooms.cavities import Cavity
@@ -674,7 +674,7 @@ def together(airs: Sequence[CavityAir], k: int) -> CavityAir:
     >>> from acoustics.source import SurfaceShapes
     >>> still, moves = (SurfaceShapes([[0.5, 0.5, 0]], [1.0], [[x]]) for x in (0.0, 1.0))
     >>> one = cavity_air(Cavity([1.0, 1.0, 0.2]), moves, still, up_to_hz=200.0)
-    >>> both = together([one, one], 1)
+    >>> both = combine_cavities([one, one], 1)
     >>> bool((both.compression**2).sum() == 2 * (one.compression**2).sum()), float(both.mass[0, 0] / one.mass[0, 0])
     (True, 2.0)
     """

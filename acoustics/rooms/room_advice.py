@@ -116,7 +116,7 @@ def truncation(share: float, orders: Integers) -> tuple[Advice, ...]:
     )
 
 
-def one_way(room: Box) -> tuple[Advice, ...]:
+def non_causal_advice(room: Box) -> tuple[Advice, ...]:
     """Advice ``non-causal-losses`` for losses of kind ``source``."""
     if room.losses.kind != "source":
         return ()
@@ -131,24 +131,26 @@ def one_way(room: Box) -> tuple[Advice, ...]:
     )
 
 
-def t60_missed(modelled: Mapping[float, float], asked: Mapping[float, float]) -> tuple[Advice, ...]:
+def t60_missed(modelled: Mapping[float, float], by_frequency: Mapping[float, float]) -> tuple[Advice, ...]:
     """Advice ``t60-missed`` when a reverberation time {frequency [Hz]: [s]} was asked for that the modelled one misses
     by more than 10 %, with what steady sound is then too loud, 10 lg of the one over the other, at worst."""
-    missed = [f for f, wanted in asked.items() if abs(modelled[f] / wanted - 1) > T60_MISSED]
+    missed = [f for f, required in by_frequency.items() if abs(modelled[f] / required - 1) > T60_MISSED]
     if not missed:
         return ()
-    told = ", ".join(f"{f:g} Hz {wanted:.3g} s / {modelled[f]:.3g} s" for f, wanted in asked.items())
-    off = {f: 10 * log10(modelled[f] / asked[f]) for f in missed}
+    listed = ", ".join(f"{f:g} Hz {required:.3g} s / {modelled[f]:.3g} s" for f, required in by_frequency.items())
+    off = {f: 10 * log10(modelled[f] / by_frequency[f]) for f in missed}
     ends = ((max(off, key=lambda f: off[f]), "high"), (min(off, key=lambda f: off[f]), "low"))
     worst = " and ".join(
         f"{abs(off[f]):.1f} dB too {word} ({f:g} Hz)" for f, word in ends if (off[f] > 0) == (word == "high")
     )
-    values = {f"asked_{f:g}_hz_s": asked[f] for f in missed} | {f"modelled_{f:g}_hz_s": modelled[f] for f in missed}
+    values = {f"asked_{f:g}_hz_s": by_frequency[f] for f in missed} | {
+        f"modelled_{f:g}_hz_s": modelled[f] for f in missed
+    }
     return (
         Advice(
             "t60-missed",
             f"a decay rate and a relaxation time cannot give the required reverberation times; required / modelled: "
-            f"{told}. Levels in the room are up to {worst}, of steady sound; of blows by less",
+            f"{listed}. Levels in the room are up to {worst}, of steady sound; of blows by less",
             values,
         ),
     )

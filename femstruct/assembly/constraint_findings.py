@@ -59,10 +59,10 @@ def _normalised(rows: csr_array) -> csr_array:
 def _repeated(name: str, spare: int, own: csr_array, before: Mapping[str, csr_array]) -> Finding:
     count = own.shape[0]
     partners = [one for one in _combined(own, before) if one != name]
-    told = f"those of {' and '.join(partners)} say it" if partners else "its places move as one without it"
+    reason = f"those of {' and '.join(partners)} say it" if partners else "its places move as one without it"
     return Finding(
         "constraint-repeated",
-        f"constraints.{name}: {spare} of {count} equations say nothing new: {told}. Motions are right; the force "
+        f"constraints.{name}: {spare} of {count} equations say nothing new: {reason}. Motions are right; the force "
         f"of {name} is one of many that are possible. Remove what is said twice.",
         {"repeated": spare, "equations": count},
     )
@@ -135,11 +135,11 @@ def _combined(own: csr_array, rows: Mapping[str, csr_array]) -> list[str]:
     every = csr_array(vstack(list(rows.values()))).T
     names: Sequence[str] = list(rows)
     for number in range(own.shape[0]):
-        wanted = own[[number]].toarray().ravel()
-        size = float(np.linalg.norm(wanted))
+        equation = own[[number]].toarray().ravel()
+        size = float(np.linalg.norm(equation))
         if not size > 0.0:
             continue
-        factors, _, _, rest, *_ = lsqr(every, wanted / size, atol=_EXACT, btol=_EXACT)
-        if rest <= RANK:
+        factors, _, _, residual, *_ = lsqr(every, equation / size, atol=_EXACT, btol=_EXACT)
+        if residual <= RANK:
             found |= {names[i]: None for i in np.unique(owners[np.abs(factors) > _INVOLVED])}
     return list(found)

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from femstruct.arrays import Floats, freeze, frozen
 from femstruct.assembly.ties import DofLabels, Elimination, RawDofs, eliminate, number_dofs
 from femstruct.declared import expect
-from femstruct.errors import FemstructError, InputError, SingularSystem, some_of
+from femstruct.errors import FemstructError, InputError, SingularSystem, list_some
 from femstruct.model.materials import Loss
 from femstruct.model.model import Model, part_masses
 from femstruct.model.part import Elastic, Tie
@@ -260,7 +260,7 @@ def assemble(model: Model) -> Assembly:
     if not len(solved.free):
         raise InputError(
             "supports",
-            got=f"every motion of {some_of(model.mesh.nodes)} held ({model.mesh.n_nodes} nodes)",
+            got=f"every motion of {list_some(model.mesh.nodes)} held ({model.mesh.n_nodes} nodes)",
             expected="something that can move",
             do="hold less, or use a finer mesh",
         )

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 
 from acoustics.errors import Advice
-from acoustics.levels.bands import ended
+from acoustics.levels.bands import truncate_response
 from acoustics.levels.sound_levels import a_levels
 from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
-from femstruct.campaign.rows import MODES, Number, Row, chosen, numbers_of, numbers_of_limit
+from femstruct.campaign.rows import MODES, Number, Row, choose_numbers, numbers_of, numbers_of_limit
 from femstruct.campaign.tasks import Samples, Split, Task, read_sample
 from femstruct.errors import FemstructError, Finding, InputError
 from femstruct.files.writing import contents
@@ -27,15 +27,15 @@ from femstruct.language.models import with_position
 from femstruct.laws.registry import DOUBTS
 from femstruct.modal.basis import ModalBasis
 from femstruct.sound.flanking import PushTransfer, push_transfer
-from femstruct.sound.surfaces import at_rest, moving_modes, surface_velocities
+from femstruct.sound.surfaces import is_at_rest, moving_modes, surface_velocities
 from femstruct.study.asked import RoomPlan
 from femstruct.study.campaigns import Campaign
 from femstruct.study.placed_rooms import placed_room
 from femstruct.study.results import CaseResult
 from femstruct.study.study import Case, Plan, Study
-from femstruct.workflow.bases import Places, Solved, damped, fingerprint, key_of, meshed, solve_all
-from femstruct.workflow.case import clock_of, impact_alone, known_before, known_of_rooms
-from femstruct.workflow.staging import scene as staged
+from femstruct.workflow.bases import Places, Solved, damp_basis, fingerprint, key_of, meshed, solve_all
+from femstruct.workflow.case import clock_of, findings_before_run, room_mode_findings, run_impact
+from femstruct.workflow.staging import build_scene as staged
 from femstruct.workflow.study_findings import room_silent
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -62,11 +62,11 @@ class SceneColumns:
 
 
 def scene_columns(
-    samples: Samples, staged: Staged, told: Callable[[str], None] = lambda line: None
+    samples: Samples, staged: Staged, report: Callable[[str], None] = lambda line: None
 ) -> SceneColumns | None:
     """What all samples change, where that is nothing but numbers of scenes; None where it is more.
 
-    staged : study and scene of every case for texts ``PATH=VALUE``. told : is given a line while all are read.
+    staged : study and scene of every case for texts ``PATH=VALUE``. report : is given a line while all are read.
 
     Raises InputErrors for a sample that cannot be read, FemstructError for numbers that a body, contact or link
     refuses, TypeError for a law with functions of its own.
@@ -82,7 +82,7 @@ def scene_columns(
     start = {case: numbers_of_scene(scene) for case, (_, scene) in first.items()}
     columns = _foreseen_columns(samples, staged, first, start)
     if columns is None:
-        columns = _read_columns(samples, staged, first, told)
+        columns = _read_columns(samples, staged, first, report)
     if columns is None:
         return None
     for case, (_, scene) in first.items():
@@ -120,13 +120,13 @@ def _foreseen_columns(
 
 
 def _read_columns(
-    samples: Samples, staged: Staged, first: Mapping[str, tuple[Study, Scene]], told: Callable[[str], None]
+    samples: Samples, staged: Staged, first: Mapping[str, tuple[Study, Scene]], report: Callable[[str], None]
 ) -> Columns | None:
     """The numbers of scenes that differ, from every sample; None where more than numbers differs."""
     n, read = len(samples.texts), []
     for i in range(n):
         if i % READ == 0:
-            told(f"reading sample {i + 1} of {n}")
+            report(f"reading sample {i + 1} of {n}")
         one = _alike(first, staged(samples.changes(i)))
         if one is None:
             return None
@@ -164,14 +164,14 @@ def _alike(
         return None
     found = {}
     for case, (study, scene) in other.items():
-        told = numbers_of_scene(scene)
+        numbers = numbers_of_scene(scene)
         base_study, base = first[case]
-        if told.keys() != numbers_of_scene(base).keys() or _beside(study) != _beside(base_study):
+        if numbers.keys() != numbers_of_scene(base).keys() or _beside(study) != _beside(base_study):
             return None
-        moved = variation(base, {name: [value] for name, value in told.items()})(0) if told else base
+        moved = variation(base, {name: [value] for name, value in numbers.items()})(0) if numbers else base
         if fingerprint(moved) != fingerprint(scene):
             return None
-        found[case] = told
+        found[case] = numbers
     return found
 
 
@@ -185,8 +185,8 @@ def _foreseen(whole: Numbers, start: Numbers, columns: Columns, i: int) -> bool:
     for case, own in whole.items():
         for name, value in own.items():
             column = columns[case].get(name)
-            told, size = (start[case][name], 0.0) if column is None else (column[i], np.abs(column).max())
-            if abs(told - value) > ROUNDING * size:
+            expected, size = (start[case][name], 0.0) if column is None else (column[i], np.abs(column).max())
+            if abs(expected - value) > ROUNDING * size:
                 return False
     return True
 
@@ -200,12 +200,12 @@ MAIN: Final = "L_AFmax"  # what the first is called among the main numbers
 
 
 @dataclass(frozen=True, eq=False)
-class HeardRooms:
+class RoomReceivers:
     """Who listens in the rooms of a case. names : of the numbers made [x], all in dB; told : what is known of rooms."""
 
     listener: Listener
     names: tuple[str, ...]
-    told: tuple[Advice | Finding, ...]
+    findings: tuple[Advice | Finding, ...]
 
 
 def level_names(study: Study) -> list[str]:
@@ -223,7 +223,7 @@ def _listened(study: Study) -> list[str]:
     return [f"{room.name}.{receiver.name}" for room in rooms for receiver in room.receivers]
 
 
-def heard_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, clock: Clock) -> HeardRooms:
+def receiver_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, clock: Clock) -> RoomReceivers:
     """Listeners in all rooms of a study that keep their transfers, for what pushes the modes.
 
     basis : damped; scene : of the impact from which the rooms' transfers are found, to 1e-4 of the pressure.
@@ -235,18 +235,18 @@ def heard_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, c
     response = simulate(basis, scene, clock)
     nt, dt = len(response.t), 1.0 / clock.sampling
     rooms = [room for room in study.rooms if room.room.keeps_transfers]
-    told: list[Advice | Finding] = [one for _, one in known_of_rooms(study, places, basis, basis)]
+    findings: list[Advice | Finding] = [one for _, one in room_mode_findings(study, places, basis, basis)]
     kept, ends, silent = [], [], []
     for room in rooms:
         placed, end = placed_room(room, places.surfaces), room.heard_to_hz(basis.complete_below_hz)
-        heard, one = room.room.pressures_to_keep(surface_velocities([response], placed), room.receivers, end)
+        responses, one = room.room.pressures_to_keep(surface_velocities([response], placed), room.receivers, end)
         if one is None:
             raise InputError(f"rooms.{room.name}", got="a room without a transfer", expected="losses that have one")
-        told += heard[0].findings
+        findings += responses[0].findings
         kept.append((one, moving_modes([response], placed)))
         ends.append(end)
-        silent.append(at_rest(response, placed))
-    told += [room_silent()] * any(silent)
+        silent.append(is_at_rest(response, placed))
+    findings += [room_silent()] * any(silent)
     made: dict[bytes, list[PushTransfer]] = {}
 
     def transfers(shares: Floats) -> list[PushTransfer]:
@@ -264,13 +264,13 @@ def heard_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, c
         return np.concatenate(found, axis=1)
 
     names = level_names(study)
-    return HeardRooms(Listener(dt, nt, len(names), of), tuple(names), tuple(told))
+    return RoomReceivers(Listener(dt, nt, len(names), of), tuple(names), tuple(findings))
 
 
 def _levels(room: RoomPlan, t: Floats, p: Floats, end_hz: float) -> list[float]:
     """Levels at all receivers of a room, one after the other."""
-    heard = ended(RoomResponse(room.receivers, t, p), end_hz)
-    return [level for one in heard.p for level in a_levels(one, heard.dt)]
+    response = truncate_response(RoomResponse(room.receivers, t, p), end_hz)
+    return [level for one in response.p for level in a_levels(one, response.dt)]
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -287,7 +287,7 @@ class BatchStage:
     solved: Mapping[str, Solved]
     bases: Mapping[str, ModalBasis]
     scenes: Mapping[str, Scene]
-    rooms: Mapping[str, HeardRooms]
+    rooms: Mapping[str, RoomReceivers]
     codes: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]
 
     def batch(self, case: Case, columns: Mapping[str, Floats], runs: int, threads: int) -> Batch:
@@ -303,22 +303,22 @@ class BatchStage:
     def history(self, case: Case, scene: Scene) -> CaseResult:
         """A run of a case whose scene this is, with its history."""
         own = self.solved[case.name]
-        return impact_alone(case, own.key, own.places, self.bases[case.name], scene)
+        return run_impact(case, own.key, own.places, self.bases[case.name], scene)
 
     def offered(self, case: Case, batch: Batch) -> dict[str, tuple[Floats, str]]:
         """All numbers of the runs of a case, with their units, named as in a full row."""
-        found = offered(batch, self.bases[case.name])
+        found = batch_numbers(batch, self.bases[case.name])
         for record in case.study.records:  # a full row has these in place of the peak forces
             if record.what == "force" and record.target in batch.peak_force:
                 found[str(record)] = found.pop(f"{record.target} peak force")
         if case.name in self.rooms:
-            levels = dict(zip(self.rooms[case.name].names, batch.heard.T, strict=True))
+            levels = dict(zip(self.rooms[case.name].names, batch.at_receivers.T, strict=True))
             found |= {name: (one, "dB") for name, one in levels.items()}
             found |= {name: (levels[of], "dB") for name, of in main_names(case.study).items()}
         return found
 
 
-def offered(batch: Batch, basis: ModalBasis) -> dict[str, tuple[Floats, str]]:
+def batch_numbers(batch: Batch, basis: ModalBasis) -> dict[str, tuple[Floats, str]]:
     """All numbers of impacts that the batch engine has, [runs] with their units, named as in a full row."""
     runs = len(batch.status)
     parted = np.isfinite(batch.at_separation.t)
@@ -376,15 +376,15 @@ def stage_of(first: Task, only: tuple[str, ...]) -> BatchStage:
 def _made(plan: Plan, only: Sequence[str]) -> BatchStage:
     solved = solve_all(plan.cases)
     baseline = next(case for case in plan.cases if case.name == plan.baseline)
-    bases = {case.name: damped(case, solved, baseline) for case in plan.cases}
+    bases = {case.name: damp_basis(case, solved, baseline) for case in plan.cases}
     scenes = {case.name: staged(case.study, solved[case.name].places, bases[case.name]) for case in plan.cases}
     codes, rooms = {}, {}
     for case in plan.cases:
         study, own, basis = case.study, solved[case.name], bases[case.name]
-        found: list[Finding | Advice] = [*known_before(case, own, basis, None)]
+        found: list[Finding | Advice] = [*findings_before_run(case, own, basis, None)]
         if study.time is not None and not {*level_names(study), *main_names(study)}.isdisjoint(only):
-            rooms[case.name] = heard_rooms(study, own.places, basis, scenes[case.name], clock_of(study.time))
-            found += rooms[case.name].told
+            rooms[case.name] = receiver_rooms(study, own.places, basis, scenes[case.name], clock_of(study.time))
+            found += rooms[case.name].findings
         severe = dict.fromkeys(one.code for one in found if isinstance(one, Finding) and one.severe)
         codes[case.name] = tuple(dict.fromkeys(one.code for one in found)), tuple(severe)
     return BatchStage(plan, solved, bases, scenes, rooms, codes)
@@ -454,12 +454,12 @@ class BatchTask:
 
 
 def batch_tasks(
-    campaign: Campaign, samples: Samples, threads: int, told: Callable[[str], None] = lambda line: None
+    campaign: Campaign, samples: Samples, threads: int, report: Callable[[str], None] = lambda line: None
 ) -> Split | str:
     """All samples as tasks of the batch engine; why it takes full runs where it does.
 
     It takes them where a row is to hold every number, or one that needs a history; where anything but numbers of
-    bodies, contacts, links and loads varies (`scene_columns`). told : is given a line while all samples are read.
+    bodies, contacts, links and loads varies (`scene_columns`). report : is given a line while all samples are read.
     """
     if not campaign.only:
         return "a row holds all numbers; name those that you need under 'samples: {only: [..]}' or by --only"
@@ -482,7 +482,7 @@ def batch_tasks(
         histories = _by_history(stage_of(first, campaign.only), campaign.only)
         if isinstance(histories, str):  # before all samples are read, which takes long
             return histories
-        found = scene_columns(samples, scenes, told)
+        found = scene_columns(samples, scenes, report)
         if found is None or not all(map(numbers_of_scene, found.scenes.values())):
             return "more varies than numbers of bodies, contacts, links and loads"
     except (FemstructError, TypeError) as error:  # full runs say it of each sample
@@ -546,8 +546,8 @@ def _of_batch(
     forbids = {code: flags[code] for code, forbid in DOUBTS.items() if forbid and code in flags}
     forbids["energy-drift"] = drifts(batch.residual, NOT_TRUSTED).tolist()
     for i, number in enumerate(numbers):
-        if told := batch.trouble(i):
-            yield Row(number, case.name, {}, trouble=told)
+        if trouble := batch.trouble(i):
+            yield Row(number, case.name, {}, trouble=trouble)
             continue
         codes = tuple(code for code, flag in flags.items() if flag[i])
         severe = tuple(code for code, flag in forbids.items() if flag[i])
@@ -578,7 +578,7 @@ def _of_histories(
             continue
         codes = tuple(one.code for one in run.findings)
         severe = tuple(one.code for one in run.findings if one.severe)
-        yield Row(number, case.name, chosen(numbers_of(run), only), codes, severe)
+        yield Row(number, case.name, choose_numbers(numbers_of(run), only), codes, severe)
 
 
 def _joined(parts: Sequence[Row], known: tuple[tuple[str, ...], tuple[str, ...]], only: Sequence[str]) -> Row:
@@ -590,7 +590,7 @@ def _joined(parts: Sequence[Row], known: tuple[tuple[str, ...], tuple[str, ...]]
     return Row(
         parts[0].sample,
         parts[0].case,
-        chosen(values, only),
+        choose_numbers(values, only),
         tuple(dict.fromkeys([*known[0], *(code for part in parts for code in part.findings)])),
         tuple(dict.fromkeys([*known[1], *(code for part in parts for code in part.severe)])),
     )

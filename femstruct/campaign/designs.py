@@ -14,7 +14,7 @@ from femstruct.campaign.executors import Crew
 from femstruct.campaign.rows import APART, Journal, Number, Row
 from femstruct.campaign.tasks import Samples, Task, at, samples_of
 from femstruct.errors import InputError, InputErrors
-from femstruct.language.campaigns import overridden, read_search, refuse_other_cases, refuse_set_by_cases, steps_of
+from femstruct.language.campaigns import override_study, read_search, refuse_other_cases, refuse_set_by_cases, steps_of
 from femstruct.language.cases import read_study
 from femstruct.language.varied import CampaignSpec, varied_of, written
 from femstruct.study.asked import SETTLED
@@ -41,9 +41,9 @@ def campaigns_of(file: str | Path, overrides: Sequence[str] = ()) -> dict[str, s
         varied = [*keys["vary"]] if isinstance(keys["vary"], dict) else []
         found["femstruct sweep"] = f"varies {', '.join(varied)}"
     if keys.get("optimise"):
-        asked = read_search(file, overrides=overrides)
-        plan = read_study(asked.file, asked.overrides, only=asked.case or None)
-        search = with_limits_of_study(asked, plan)
+        request = read_search(file, overrides=overrides)
+        plan = read_study(request.file, request.overrides, only=request.case or None)
+        search = with_limits_of_study(request, plan)
         refuse_values(search, plan)
         goals = " and ".join(f"{goal.sense} {goal.name}" for goal in search.goals)
         of, chosen = f"of case '{search.case or plan.baseline}'", ", ".join(one.path for one in search.designs)
@@ -55,14 +55,16 @@ def campaigns_of(file: str | Path, overrides: Sequence[str] = ()) -> dict[str, s
 
 def _refuse_varied(file: str | Path, overrides: Sequence[str]) -> None:
     """Raise InputErrors for paths under `vary:` of which the files can have neither the first nor the last value."""
-    mistakes, asked = Mistakes(), tuple(overrides)
-    tree = overridden(file, asked, ("vary",), mistakes)
+    mistakes, settings = Mistakes(), tuple(overrides)
+    tree = override_study(file, settings, ("vary",), mistakes)
     spec = validate(CampaignSpec, {"vary": tree.value["vary"]}, tree, mistakes)
     for one in varied_of(spec.vary if spec is not None else {}, Here(tree, mistakes)).values():
         texts = probes(one)
-        told = [_refusal(str(file), asked, "", f"{one.path}={text}") for text in dict.fromkeys((texts[0], texts[-1]))]
-        if all(told):
-            mistakes.note(f"{_place(tree, one)}vary {one.path}, value {texts[0]}: {told[0]}")
+        refusals = [
+            _refusal(str(file), settings, "", f"{one.path}={text}") for text in dict.fromkeys((texts[0], texts[-1]))
+        ]
+        if all(refusals):
+            mistakes.note(f"{_place(tree, one)}vary {one.path}, value {texts[0]}: {refusals[0]}")
     mistakes.stop_if_any()
 
 
@@ -87,10 +89,10 @@ def refuse_values(search: Search, plan: Plan) -> None:
         texts = probes(one)
         found = [_refusal(search.file, search.overrides, search.case, f"{one.path}={text}") for text in texts]
         if isinstance(one, Listed) or all(found):
-            for text, told in zip(texts, found, strict=True):
-                if told:
-                    mistakes.note(f"{_place(tree, one)}vary {one.path}, value {text}: {told}")
-                if told and not isinstance(one, Listed):
+            for text, refusal in zip(texts, found, strict=True):
+                if refusal:
+                    mistakes.note(f"{_place(tree, one)}vary {one.path}, value {text}: {refusal}")
+                if refusal and not isinstance(one, Listed):
                     break
     mistakes.stop_if_any()
 
@@ -199,8 +201,8 @@ class Designs:
     with them all designs that follow. kept_back : designs of those allowed that are left for the end.
     """
 
-    def __init__(self, search: Search, case: str, journal: Journal, run: Crew, told: Callable[[int], None]) -> None:
-        self._search, self._case, self._journal, self._run, self._told = search, case, journal, run, told
+    def __init__(self, search: Search, case: str, journal: Journal, run: Crew, report: Callable[[int], None]) -> None:
+        self._search, self._case, self._journal, self._run, self._told = search, case, journal, run, report
         self._scatter = _scatter(search)
         self._known = {row.design: row for row in journal.rows() if not row.again}
         self._rows: dict[int, Row] = {}
@@ -219,8 +221,10 @@ class Designs:
         if len(new) > self.left:
             raise Spent
         first, s = len(self.outcomes), self._search.samples
-        asked = {(first + k) * s + j: text + more for k, text in enumerate(new) for j, more in enumerate(self._scatter)}
-        self._finish({number: (self._case, *self._changes(text)) for number, text in asked.items()})
+        requested = {
+            (first + k) * s + j: text + more for k, text in enumerate(new) for j, more in enumerate(self._scatter)
+        }
+        self._finish({number: (self._case, *self._changes(text)) for number, text in requested.items()})
         for k, (text, point) in enumerate(new.items()):
             self._numbers[text] = first + k
             self.points.append(point)
@@ -278,12 +282,12 @@ class Designs:
         """The rows of cases with what scatters and nothing chosen; they are none of the runs that are allowed, and have
         numbers below zero."""
         s, over = self._search.samples, self._search.over
-        asked = {
+        requested = {
             -1 - k * s - j: (case, *(f"{one.path}={text}" for one, text in zip(over, texts, strict=True)))
             for k, case in enumerate(cases)
             for j, texts in enumerate(self._scatter)
         }
-        self._finish(asked)
+        self._finish(requested)
         return [[self._rows[-1 - k * s - j] for j in range(s)] for k in range(len(cases))]
 
     def goals_of(self, rows: Sequence[Row]) -> tuple[float, tuple[float, float], Floats]:
@@ -300,17 +304,17 @@ class Designs:
         varied = (*self._search.designs, *self._search.over)
         return tuple(f"{one.path}={text}" for one, text in zip(varied, texts, strict=True))
 
-    def _finish(self, asked: Mapping[int, tuple[str, ...]]) -> None:
+    def _finish(self, requested: Mapping[int, tuple[str, ...]]) -> None:
         """Have the rows of samples, each a case and texts of it: those that are known, the others run and kept."""
         file, overrides = self._search.file, self._search.overrides
-        known = {number: self._known[texts] for number, texts in asked.items() if texts in self._known}
+        known = {number: self._known[texts] for number, texts in requested.items() if texts in self._known}
         self._rows |= {number: replace(row, sample=number) for number, row in known.items()}
-        left = {number: texts for number, texts in asked.items() if number not in self._rows}
+        left = {number: texts for number, texts in requested.items() if number not in self._rows}
         tasks = [Task(file, overrides, texts[0], ((number, texts[1:]),)) for number, texts in left.items()]
 
         def keep(rows: list[Row]) -> None:
-            told = [replace(row, design=left[row.sample]) for row in rows]
-            self._rows |= {row.sample: row for row in self._journal.append(told)}
+            numbered = [replace(row, design=left[row.sample]) for row in rows]
+            self._rows |= {row.sample: row for row in self._journal.append(numbered)}
             self._told(counted())
 
         def counted() -> int:

@@ -15,7 +15,7 @@ import numpy as np
 from femstruct.campaign.batch_rows import BatchTask, batch_tasks
 from femstruct.campaign.designs import Designs, refuse_values, refused_ends, with_limits_of_study, with_place
 from femstruct.campaign.executors import Done, Tick
-from femstruct.campaign.rows import APART, Row, opened
+from femstruct.campaign.rows import APART, Row, open_journal
 from femstruct.campaign.tasks import Split, Task, Work, forget_bases, make_ready, run_task, samples_of, split
 from femstruct.errors import InputError
 from femstruct.language.campaigns import set_by_cases
@@ -23,7 +23,7 @@ from femstruct.language.cases import read_study
 from femstruct.study.campaigns import Campaign, Listed, Scattered
 from femstruct.study.optima import FEWEST_RUNS, Search
 from femstruct.study.study import Plan
-from femstruct.view.campaign_answers import range_of, why_not_known, written
+from femstruct.view.campaign_answers import range_of, value_text, why_not_known
 from femstruct.workflow.bases import key_of
 from femstruct.workflow.provenance import Progress, duration
 from femstruct.yaml.reader import read_yaml
@@ -33,7 +33,7 @@ MANY: Final = 8  # values that are listed
 MORE, PART = 128, 8  # rows of a batch that are timed, and the share of them that are timed before
 
 
-def planned(
+def forecast_campaign(
     campaign: Campaign, workers: int | None = None, progress: Progress = lambda line: None
 ) -> dict[str, int | str]:
     """How much there is to compute, by kind, how, and about how long it takes on this machine.
@@ -65,7 +65,7 @@ def planned(
     }
 
 
-def planned_search(
+def forecast_search(
     search: Search, workers: int | None = None, progress: Progress = lambda line: None
 ) -> dict[str, int | str]:
     """What an optimisation will try, and about how long it takes on this machine.
@@ -93,7 +93,7 @@ def planned_search(
         taken = time.monotonic() - begin
 
     one = replace(search, over=(), runs=max(search.runs, FEWEST_RUNS))
-    with TemporaryDirectory() as place, opened(Path(place) / "plan.rows", "") as journal:
+    with TemporaryDirectory() as place, open_journal(Path(place) / "plan.rows", "") as journal:
         designs = Designs(one, search.case or plan.baseline, journal, run, lambda count: None)
         try:
             designs(np.array([middle]))
@@ -125,7 +125,7 @@ def _set_by_cases(campaign: Campaign, plan: Plan) -> Iterable[tuple[str, tuple[s
 def _values(one: Listed | Scattered) -> str:
     """What varies, in short."""
     if isinstance(one, Listed) and one.numbers and len(one.texts) > MANY:
-        low, high = (written(end, one.unit, "") for end in (min(one.numbers), max(one.numbers)))
+        low, high = (value_text(end, one.unit, "") for end in (min(one.numbers), max(one.numbers)))
         return f"{len(one.texts)} values from {low} to {high}"
     return range_of(one)
 
@@ -137,7 +137,7 @@ def _robust(search: Search) -> str:
 def _limit(search: Search, name: str, rows: Sequence[Row]) -> str:
     """A limit with its unit, and whether the study states it."""
     unit = next((row.numbers[name].unit for row in rows if name in row.numbers), "")
-    value = written(search.limits[name], unit, "")
+    value = value_text(search.limits[name], unit, "")
     return f"{name} {value}" + (" (of the study)" if name in search.of_study else "")
 
 
@@ -158,10 +158,10 @@ def _not_known(names: Sequence[str], rows: Sequence[Row], of: str) -> dict[str, 
     lacking = [
         name
         for name in dict.fromkeys(names)
-        if (asked := [row.numbers[name].value for row in ran if name in row.numbers]) and not np.isfinite(asked).any()
+        if (values := [row.numbers[name].value for row in ran if name in row.numbers]) and not np.isfinite(values).any()
     ]
-    told = [name + (f" ({why})" if (why := why_not_known(name, codes)) else "") for name in lacking]
-    return {f"not known in {of}": ", ".join(told)} if told else {}
+    listed = [name + (f" ({why})" if (why := why_not_known(name, codes)) else "") for name in lacking]
+    return {f"not known in {of}": ", ".join(listed)} if listed else {}
 
 
 def _seconds(parts: Split, tasks: Sequence[Work]) -> tuple[float, list[Row]]:

@@ -78,7 +78,7 @@ class Evolution:
 # The front of a study with two or three goals, by NSGA-II.
 # ----------------------------------------------------------------------------------------------------------------------
 
-CROWD: Final = (24, 100)  # designs of a generation, at least and at most
+POPULATION_LIMITS: Final = (24, 100)  # designs of a generation, at least and at most
 IDLE: Final = 10  # generations in a row without a design that was not tried before, after which there are none left
 
 
@@ -136,7 +136,7 @@ def pareto_front(
     search = with_limits_of_study(search)
     course = evolution(search)  # before anything is run
     with designs_of(search, folder, workers, cluster, progress) as designs:
-        generations, spent, interrupted = searched(designs, course)
+        generations, spent, interrupted = run_generations(designs, course)
         rows = table_of(search, designs, command)
     return _found(search, designs, generations, (spent, interrupted), rows)
 
@@ -146,13 +146,13 @@ def evolution(search: Search) -> Evolution:
     from scipy.stats import qmc
 
     d, most = len(search.designs), search.runs // search.samples
-    crowd = min(max(isqrt(most) * (len(search.goals) - 1), CROWD[0]), CROWD[1])
+    crowd = min(max(isqrt(most) * (len(search.goals) - 1), POPULATION_LIMITS[0]), POPULATION_LIMITS[1])
     start = qmc.LatinHypercube(d, rng=np.random.default_rng(search.seed)).random(min(crowd, most))
     choices = tuple(len(one.texts) if isinstance(one, Listed) else 0 for one in search.designs)
     return Evolution(start, choices, len(search.goals), len(search.limits) + 1, search.seed)
 
 
-def searched(designs: Designs, course: Evolution) -> tuple[tuple[int, ...], bool, bool]:
+def run_generations(designs: Designs, course: Evolution) -> tuple[tuple[int, ...], bool, bool]:
     """Try generations until the runs are spent or no new design comes up: how many designs were tried after each,
     whether the runs were spent, and whether Ctrl-C ended it."""
     designs.kept_back, idle = 0, 0
@@ -175,8 +175,8 @@ def searched(designs: Designs, course: Evolution) -> tuple[tuple[int, ...], bool
 
 def _excess(outcomes: Sequence[DesignOutcome]) -> Floats:
     """By how much limits are exceeded [n, m + 1]; the last of them is that a design is to be trusted."""
-    told = np.array([(*one.excess, 0.0 if one.sound else NEVER) for one in outcomes])
-    return np.where(told <= HELD, 0.0, told)
+    excess = np.array([(*one.excess, 0.0 if one.sound else NEVER) for one in outcomes])
+    return np.where(excess <= HELD, 0.0, excess)
 
 
 def _found(

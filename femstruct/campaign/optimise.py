@@ -25,8 +25,8 @@ from femstruct.campaign.designs import (
     with_place,
 )
 from femstruct.campaign.executors import crew
-from femstruct.campaign.rows import Row, moved_aside, opened
-from femstruct.campaign.tasks import gathered, make_ready, versions
+from femstruct.campaign.rows import Row, open_journal, rename_previous
+from femstruct.campaign.tasks import gather_rows, make_ready, versions
 from femstruct.declared import Count, expect
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.cases import read_study
@@ -34,7 +34,7 @@ from femstruct.study.campaigns import Listed, Scattered, Swept
 from femstruct.study.optima import VALLEYS, Chosen, End, Found, Reference, Search
 from femstruct.study.study import Plan
 from femstruct.workflow.bases import fingerprint
-from femstruct.workflow.provenance import Progress, counted, version_of
+from femstruct.workflow.provenance import Progress, progress_counter, version_of
 
 # ----------------------------------------------------------------------------------------------------------------------
 # What all searches for good designs share: the rows that are kept, who runs them, and a name for all they hang on.
@@ -61,11 +61,11 @@ def designs_of(
         place = folder or Path(stack.enter_context(TemporaryDirectory()))
         place.mkdir(parents=True, exist_ok=True)
         make_ready(plan, progress)
-        journal = stack.enter_context(opened(place / ROWS, name_of(search, plan)))
+        journal = stack.enter_context(open_journal(place / ROWS, name_of(search, plan)))
         run = stack.enter_context(crew(workers or os.cpu_count() or 1, cluster))
-        told = counted(search.runs, "runs", progress, most=True)
+        report = progress_counter(search.runs, "runs", progress, most=True)
         try:
-            yield Designs(search, search.case or plan.baseline, journal, run, told)
+            yield Designs(search, search.case or plan.baseline, journal, run, report)
         except KeyboardInterrupt:
             if not journal.rows():
                 journal.remove()
@@ -79,7 +79,7 @@ def table_of(search: Search, designs: Designs, command: str) -> Swept:
     samples = designs.samples()
     plan = read_study(search.file, search.overrides, only=search.case or None)
     whole = plan if search.case else read_study(search.file, search.overrides, only=plan.baseline)
-    rows = gathered(search.title, whole, samples, designs.rows(), {}, command=command)
+    rows = gather_rows(search.title, whole, samples, designs.rows(), {}, command=command)
     return replace(rows, provenance={**rows.provenance, **_course(search)})
 
 
@@ -91,7 +91,7 @@ def ends_of(search: Search, point: Floats) -> tuple[End, ...]:
     )
 
 
-def seen_before(search: Search, rows: Swept, case: str) -> Floats:
+def starting_designs(search: Search, rows: Swept, case: str) -> Floats:
     """The best designs of a sweep that lie apart, as points of the unit cube [n, d]: those that hold all limits first.
 
     rows : of a sweep over all paths that may be chosen, and of a case; none of one over fewer, or without a number.
@@ -122,8 +122,8 @@ def _unit_of(one: Listed | Scattered, rows: Swept, j: int) -> Floats:
         count = len(one.texts)
         texts = {text: (k + 0.5) / count for k, text in enumerate(one.texts)}
         numbers = {value: (k + 0.5) / count for k, value in enumerate(one.numbers)}
-        told = zip(rows.texts, values.tolist(), strict=True)
-        return np.array([texts.get(own[j], numbers.get(value, np.nan)) for own, value in told])
+        pairs = zip(rows.texts, values.tolist(), strict=True)
+        return np.array([texts.get(own[j], numbers.get(value, np.nan)) for own, value in pairs])
     if one.law == "log-uniform":
         values = np.log(np.where(values > 0.0, values, np.nan) / one.first) / np.log(one.second / one.first)
     else:
@@ -138,7 +138,7 @@ def set_aside(search: Search, folder: Path) -> Path | None:
     if not (folder / ROWS).exists():
         return None
     plan = read_study(search.file, search.overrides, only=search.case or None)
-    return moved_aside(folder / ROWS, name_of(search, plan))
+    return rename_previous(folder / ROWS, name_of(search, plan))
 
 
 def name_of(search: Search, plan: Plan) -> str:
@@ -202,7 +202,7 @@ def _missing(search: Search, rows: list[Row]) -> str:
 scipy_optimize: Any = optimize  # its types know nothing of vectorised functions
 EVERYWHERE: Final = 0.7  # of the runs, for the search in all of the ranges
 GENERATIONS: Final = 8  # of the search everywhere, about; a larger crowd sees more than a longer search
-CROWD: Final = (12, 100)  # designs of a generation, at least and at most
+POPULATION_LIMITS: Final = (12, 100)  # designs of a generation, at least and at most
 BESIDES: Final = 2  # times that these are tried
 BESIDE: Final = 0.01  # of a range, from the best design to those beside it
 FIRST: Final = 0.05  # of the ranges: radius at which the search near the best designs begins
@@ -274,7 +274,7 @@ def optimise(
     search = with_limits_of_study(search)
     with designs_of(search, folder, workers, cluster, progress) as designs:
         case = search.case or (seen.baseline if seen is not None else "")
-        first = np.empty((0, len(search.designs))) if seen is None else seen_before(search, seen, case)
+        first = np.empty((0, len(search.designs))) if seen is None else starting_designs(search, seen, case)
         (spent, stopped), beside = _searched(search, designs, first), tuple[Reference, ...]()
         if not stopped:
             try:
@@ -310,7 +310,9 @@ def _everywhere(search: Search, designs: Designs, first: Floats | None = None) -
     from scipy.stats import qmc
 
     d, most = len(search.designs), search.runs // search.samples
-    crowd = min(max(int(EVERYWHERE * most) // GENERATIONS, 4 * d, CROWD[0]), CROWD[1], designs.left)
+    crowd = min(
+        max(int(EVERYWHERE * most) // GENERATIONS, 4 * d, POPULATION_LIMITS[0]), POPULATION_LIMITS[1], designs.left
+    )
     start = qmc.LatinHypercube(d, rng=np.random.default_rng(search.seed)).random(crowd)
     if first is not None:
         start[: len(first)] = first
@@ -418,12 +420,14 @@ def _beside(search: Search, designs: Designs) -> None:
     for _ in range(BESIDES):
         number = designs.best
         best = designs.points[number]
-        designs(np.array([point for j in range(len(best)) for point in beside(search, best, j)]).reshape(-1, len(best)))
+        designs(
+            np.array([point for j in range(len(best)) for point in neighbours(search, best, j)]).reshape(-1, len(best))
+        )
         if designs.best == number:
             return
 
 
-def beside(search: Search, best: Floats, j: int) -> list[Floats]:
+def neighbours(search: Search, best: Floats, j: int) -> list[Floats]:
     """The points on both sides of a design along a range, as far as there are; none along a list."""
     if isinstance(search.designs[j], Listed):
         return []
@@ -473,7 +477,7 @@ def _chosen(search: Search, designs: Designs, j: int, rows: Swept) -> Chosen:
 def _change(search: Search, designs: Designs, j: int) -> float:
     """What the goal changes for 1 % of a range, from the designs beside the best one; nan where they were not run."""
     best = designs.points[designs.best]
-    around = [best, *beside(search, best, j)]
+    around = [best, *neighbours(search, best, j)]
     known = [(point[j], one) for point in around if (one := designs.known(point)) is not None and one.sound]
     if len(known) < 2:
         return float("nan")

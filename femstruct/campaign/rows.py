@@ -16,7 +16,7 @@ from typing import Any, Final, NamedTuple
 from femstruct.errors import FemstructError, InputError
 from femstruct.files.campaign_files import SWEEP, TABLE, write_found, write_front_table, write_swept, write_table
 from femstruct.files.study_tables import case_table
-from femstruct.files.writing import contents, moved
+from femstruct.files.writing import contents, move_together
 from femstruct.study.asked import SETTLED
 from femstruct.study.campaigns import EXCEEDED, MET, UNKNOWN, UNROUNDED, Swept, limit_name, value_name, verdict_name
 from femstruct.study.optima import Found, Front
@@ -75,10 +75,10 @@ def only_numbers(cases: Mapping[str, Mapping[str, Number]], only: Sequence[str])
             near = get_close_matches(name, known, n=1, cutoff=0.5)
             do = f"did you mean '{near[0]}'?" if near else "femstruct sweep STUDY --plan lists the main ones"
             raise InputError("samples.only", got=f"'{name}'", expected="a number of the study", do=do)
-    return {case: chosen(own, only) for case, own in cases.items()}
+    return {case: choose_numbers(own, only) for case, own in cases.items()}
 
 
-def chosen(numbers: Mapping[str, Number], only: Sequence[str]) -> dict[str, Number]:
+def choose_numbers(numbers: Mapping[str, Number], only: Sequence[str]) -> dict[str, Number]:
     """The numbers of these names that there are, each with its limit, what is compared with it, and the verdict."""
     of_limit = (limit_name, value_name, verdict_name)
     with_limits = (each for name in only for each in (name, *(one(name) for one in of_limit)))
@@ -144,13 +144,13 @@ def _number(value: float | None, unit: str) -> Number:
 
 def _flat(table: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, Number]]:
     """Numbers of nested mappings, named by their path. A mapping's "unit" is that of the numbers beside it."""
-    told = table.get("unit")
+    unit = table.get("unit")
     for key, one in table.items():
         steps = (*before, str(key))
         if isinstance(one, Mapping):
             yield from _flat(one, steps)
         elif isinstance(one, int | float):
-            yield APART.join(steps), _number(float(one), told if isinstance(told, str) else _unit(steps))
+            yield APART.join(steps), _number(float(one), unit if isinstance(unit, str) else _unit(steps))
 
 
 def _unit(steps: tuple[str, ...]) -> str:
@@ -264,7 +264,7 @@ class Journal:
 
 
 @contextmanager
-def opened(path: Path, campaign: str) -> Iterator[Journal]:
+def open_journal(path: Path, campaign: str) -> Iterator[Journal]:
     """The journal of a campaign, new or gone on with. campaign : a name for all that its rows hang on but for the files
     that some samples alone are read from, as the second of two models; these the journal knows from its rows.
 
@@ -297,13 +297,13 @@ def opened(path: Path, campaign: str) -> Iterator[Journal]:
 def is_of(path: Path, campaign: str) -> bool:
     """Whether a journal is that of a campaign."""
     try:
-        with opened(path, campaign):
+        with open_journal(path, campaign):
             return True
     except InputError:
         return False
 
 
-def moved_aside(path: Path, campaign: str) -> Path | None:
+def rename_previous(path: Path, campaign: str) -> Path | None:
     """Give the files of another campaign names with a number, as sweep.1.h5; returns that of its rows, None where there
     are none. Rows of which none has a number are removed. What else is in the folder stays as it is."""
     if not path.exists() or is_of(path, campaign):
@@ -312,7 +312,7 @@ def moved_aside(path: Path, campaign: str) -> Path | None:
         path.unlink()
         return None
     own = [path.with_suffix(suffix) for suffix in (path.suffix, *BESIDE)]
-    return moved(own)[0]
+    return move_together(own)[0]
 
 
 def _has_numbers(path: Path) -> bool:
@@ -326,8 +326,8 @@ def _has_numbers(path: Path) -> bool:
 
 def _packed(row: Row) -> bytes:
     numbers = {name: [one.value if isfinite(one.value) else None, one.unit] for name, one in row.numbers.items()}
-    told = [numbers, row.findings, row.severe, row.trouble, row.again]
-    return zlib.compress(json.dumps(told, allow_nan=False).encode(), 1)
+    content = [numbers, row.findings, row.severe, row.trouble, row.again]
+    return zlib.compress(json.dumps(content, allow_nan=False).encode(), 1)
 
 
 def _unpacked(design: str, sample: int, case: str, packed: bytes) -> Row:
@@ -374,8 +374,8 @@ def write_rows(
         from femstruct.view.campaign_figures import bands_figure, swept_figure, swept_parallel
 
         progress("pictures")
-        asked = names or rows.main
-        figures = (swept_figure(rows, asked), swept_parallel(rows, asked), bands_figure(rows))
+        chosen_names = names or rows.main
+        figures = (swept_figure(rows, chosen_names), swept_parallel(rows, chosen_names), bands_figure(rows))
         saved = _saved(folder, zip((PICTURE, "sweep.parallel.png", "sweep.bands.png"), figures, strict=True))
     return [*written, *saved, _page(folder / PAGE, rows, saved, names)]
 

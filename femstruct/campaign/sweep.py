@@ -11,14 +11,14 @@ from typing import Final
 
 from femstruct.campaign.batch_rows import batch_tasks
 from femstruct.campaign.executors import Crew, crew
-from femstruct.campaign.rows import APART, Journal, Row, moved_aside, opened
-from femstruct.campaign.tasks import Samples, Work, first_read, gathered, make_ready, samples_of, split, versions
+from femstruct.campaign.rows import APART, Journal, Row, open_journal, rename_previous
+from femstruct.campaign.tasks import Samples, Work, first_read, gather_rows, make_ready, samples_of, split, versions
 from femstruct.declared import Count, expect
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.study.campaigns import Campaign, Swept
 from femstruct.study.study import Plan
 from femstruct.workflow.bases import fingerprint
-from femstruct.workflow.provenance import Progress, counted
+from femstruct.workflow.provenance import Progress, progress_counter
 from femstruct.yaml.reader import near_one
 
 MOST: Final = 8  # names in a message
@@ -32,7 +32,7 @@ def sweep(
     cluster: str = "",
     progress: Progress = lambda line: None,
     command: str = "",
-    asked: Sequence[str] = (),
+    names: Sequence[str] = (),
 ) -> Swept:
     """Run a study once for every sample of what it varies.
 
@@ -40,7 +40,7 @@ def sweep(
     process ended without an answer. None to keep nothing.
     workers : processes, None for one a core; a script that asks for several must run under
         ``if __name__ == "__main__":``. cluster : address of a Dask scheduler whose workers do the work instead; they
-        see the same files. asked : names of numbers that a row must have: where the first that is finished, or known
+        see the same files. names : names of numbers that a row must have: where the first that is finished, or known
         already, has none of that name in any case, it ends.
 
     Returns the rows. After Ctrl-C those that are finished, if any; the others are not `done`.
@@ -82,16 +82,16 @@ def sweep(
     with ExitStack() as stack:
         place = folder or Path(stack.enter_context(TemporaryDirectory()))
         place.mkdir(parents=True, exist_ok=True)
-        journal = stack.enter_context(opened(place / ROWS, _name_of(campaign, samples, parts.plan)))
+        journal = stack.enter_context(open_journal(place / ROWS, _name_of(campaign, samples, parts.plan)))
         make_ready(parts.plan, progress)
         kept = journal.rows()
         known = {row.sample for row in kept if not row.again}
         left = [task for one in parts.tasks if (task := one.left(known)) is not None]
         apart = 2 if any(row.again for row in kept) else 1  # what ended a process is not run in this one
         with crew(1 if parts.threaded else min(cores, max(len(left), apart)), cluster) as run:
-            _run(left, run, journal, progress, asked)
+            _run(left, run, journal, progress, names)
         rows = journal.rows()
-    return gathered(
+    return gather_rows(
         campaign.title,
         parts.plan,
         samples,
@@ -113,27 +113,27 @@ def set_aside(campaign: Campaign, folder: Path) -> Path | None:
     if not (folder / ROWS).exists():
         return None
     samples = samples_of(campaign)
-    return moved_aside(folder / ROWS, _name_of(campaign, samples, first_read(campaign, samples)))
+    return rename_previous(folder / ROWS, _name_of(campaign, samples, first_read(campaign, samples)))
 
 
 def _name_of(campaign: Campaign, samples: Samples, plan: Plan) -> str:
     """A name for all that the rows hang on: the files of one sample, what is changed in them, and the program that
     reads them. Files of other samples the journal knows from their rows."""
-    said = (campaign.overrides, campaign.case, campaign.only, samples.paths, samples.texts)
-    return fingerprint((dict(plan.sources), *said, versions()))
+    choices = (campaign.overrides, campaign.case, campaign.only, samples.paths, samples.texts)
+    return fingerprint((dict(plan.sources), *choices, versions()))
 
 
-def _run(tasks: Sequence[Work], run: Crew, journal: Journal, progress: Progress, asked: Sequence[str]) -> None:
+def _run(tasks: Sequence[Work], run: Crew, journal: Journal, progress: Progress, names: Sequence[str]) -> None:
     """Run tasks and keep their rows; Ctrl-C ends it with what there is."""
-    refuse_unknown(asked, journal.rows() if asked else ())
-    tell = counted(sum(len(task.numbers) for task in tasks), "samples", progress)
+    refuse_unknown(names, journal.rows() if names else ())
+    tell = progress_counter(sum(len(task.numbers) for task in tasks), "samples", progress)
     done = 0
 
     def keep(rows: list[Row]) -> None:
         nonlocal done
         journal.append(rows)
         if not done:
-            refuse_unknown(asked, rows)
+            refuse_unknown(names, rows)
         done += len({row.sample for row in rows})
         tell(done)
 
@@ -145,11 +145,11 @@ def _run(tasks: Sequence[Work], run: Crew, journal: Journal, progress: Progress,
             raise
 
 
-def refuse_unknown(asked: Sequence[str], rows: Sequence[Row]) -> None:
+def refuse_unknown(names: Sequence[str], rows: Sequence[Row]) -> None:
     """Raise InputError for a name that no number of these rows has; rows without numbers say nothing."""
     known = {name for row in rows for name in row.numbers}
-    wrong = next((name for name in asked if known and name not in known), None)
+    wrong = next((name for name in names if known and name not in known), None)
     if wrong is not None:
-        main = some_of([name for name in sorted(known) if APART not in name], MOST)
+        main = list_some([name for name in sorted(known) if APART not in name], MOST)
         expected = "a number of the study"
         raise InputError("results", got=f"'{wrong}'", expected=expected, do=near_one(wrong, known) or f"it has {main}")

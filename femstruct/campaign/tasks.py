@@ -185,7 +185,7 @@ class Split:
     threaded: bool = False
 
 
-def split(campaign: Campaign, samples: Samples, told: Callable[[str], None] = lambda line: None) -> Split:
+def split(campaign: Campaign, samples: Samples, report: Callable[[str], None] = lambda line: None) -> Split:
     """All samples as tasks, each of one set of structures.
 
     Every sample is read here, so that mistakes are known before anything is computed. Raises InputErrors where no
@@ -202,7 +202,7 @@ def split(campaign: Campaign, samples: Samples, told: Callable[[str], None] = la
     impacts = 0
     for i in range(len(samples.texts)):
         if i % 50 == 0:
-            told(f"reading sample {i + 1} of {len(samples.texts)}")
+            report(f"reading sample {i + 1} of {len(samples.texts)}")
         try:
             plan = read_sample(campaign, samples.changes(i))
         except InputErrors as errors:
@@ -240,10 +240,10 @@ def read_sample(campaign: Campaign | Task, changes: Sequence[str]) -> Plan:
         texts = (*campaign.overrides, *changes)
         return read_study(campaign.file, texts, only=campaign.case or None, others=not campaign.case)
     except InputErrors as errors:
-        told = errors.errors
+        messages = errors.errors
         for text in changes:
-            told = tuple(line.replace(f"--set {text}", f"vary {text}") for line in told)
-        raise InputErrors(told) from None
+            messages = tuple(line.replace(f"--set {text}", f"vary {text}") for line in messages)
+        raise InputErrors(messages) from None
 
 
 def run_task(task: Work) -> list[Row]:
@@ -307,7 +307,7 @@ def make_ready(plan: Plan, progress: Progress) -> None:
             kernels.wait(progress)
 
 
-def gathered(
+def gather_rows(
     title: str,
     plan: Plan,
     samples: Samples,
@@ -336,8 +336,8 @@ def gathered(
     done, trouble = np.zeros(n, dtype=bool), [""] * n
     findings: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
     severe: list[list[tuple[str, ...]]] = [[()] * n for _ in cases]
-    for i, told in refused.items():
-        done[i], trouble[i] = True, told
+    for i, message in refused.items():
+        done[i], trouble[i] = True, message
     for row in rows:
         done[row.sample] = True
         if row.trouble:

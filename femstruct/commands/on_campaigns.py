@@ -68,7 +68,7 @@ def sweep(
 ) -> int:
     """Run a study for many values of its numbers. They stand in the study under 'vary:', or are given by --vary. Rows
     are kept as they come; the same command goes on where it was interrupted."""
-    from femstruct.campaign.forecast import planned
+    from femstruct.campaign.forecast import forecast_campaign
     from femstruct.campaign.rows import write_rows
     from femstruct.campaign.sweep import ROWS, set_aside
     from femstruct.campaign.sweep import sweep as swept
@@ -77,16 +77,16 @@ def sweep(
     from femstruct.view.campaign_answers import swept_pieces
     from femstruct.view.console import console, show
 
-    asked = read_campaign(study, vary, set_, case, samples or None, only)
+    campaign = read_campaign(study, vary, set_, case, samples or None, only)
     if plan:
         with progress() as tell:
-            told = planned(asked, workers or None, tell)
-        return _show_plan(told, as_json)
+            forecast = forecast_campaign(campaign, workers or None, tell)
+        return _show_plan(forecast, as_json)
     folder = output or _folder(study, "sweep")
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
-        moved = set_aside(asked, folder)
-        rows = swept(asked, folder, workers or None, cluster, tell, as_typed(), results)
+        moved = set_aside(campaign, folder)
+        rows = swept(campaign, folder, workers or None, cluster, tell, as_typed(), results)
         names = rows.finer(results)
         written = write_rows(rows, folder, names, tell, pictures=not no_pictures)
     if as_json:
@@ -132,7 +132,7 @@ def optimise(
     """Find the best design of a study. For two or three goals, those of which none is better in all. Goals, limits, and
     what may be chosen stand in the study under 'optimise:', or are given here. Rows are kept as they come; the same
     command goes on."""
-    from femstruct.campaign.forecast import planned_search
+    from femstruct.campaign.forecast import forecast_search
     from femstruct.campaign.front_search import pareto_front
     from femstruct.campaign.optimise import ROWS, set_aside
     from femstruct.campaign.optimise import optimise as optimised
@@ -148,8 +148,8 @@ def optimise(
     search = read_search(study, goals, vary, limit, set_, case, runs or None)
     if plan:
         with progress() as tell:
-            told = planned_search(search, workers or None, tell)
-        return _show_plan(told, as_json)
+            forecast = forecast_search(search, workers or None, tell)
+        return _show_plan(forecast, as_json)
     folder = output or _folder(study, "optimise")
     refuse_unwritable(folder)
     with _interruptible(folder / ROWS), progress() as tell:
@@ -170,9 +170,11 @@ def optimise(
     return GOOD if found.feasible else NOT_TRUSTED
 
 
-def _show_plan(told: Mapping[str, int | str], as_json: bool) -> int:
+def _show_plan(forecast: Mapping[str, int | str], as_json: bool) -> int:
     """What would be computed."""
-    print_json(dict(told)) if as_json else print("\n".join(f"{words}: {count}" for words, count in told.items()))
+    print_json(dict(forecast)) if as_json else print(
+        "\n".join(f"{words}: {count}" for words, count in forecast.items())
+    )
     return GOOD
 
 

@@ -67,9 +67,9 @@ def materials(
 ) -> int:
     """List materials and products with their sources. For 'like: NAME' in a model."""
     from femstruct.files.tables import library_table
-    from femstruct.model.library_entries import looked_up
+    from femstruct.model.library_entries import look_up
 
-    entries = looked_up(words or ())
+    entries = look_up(words or ())
     if as_json:
         print_json([library_table(entry) for entry in entries])
     else:

@@ -108,17 +108,17 @@ def statics(
     verbose: Verbose = False,
 ) -> int:
     """Print a model at rest under forces and weight. Displacements, forces of the supports, largest stresses."""
-    from femstruct.workflow.model_answers import at_rest
+    from femstruct.workflow.model_answers import statics_table
 
     with progress() as tell:
         tell("statics")
-        table = at_rest(model, force, weight, tuple(set_))
+        table = statics_table(model, force, weight, tuple(set_))
     if as_json:
         print_json(table)
     else:
-        from femstruct.view.structure_tables import show_rest
+        from femstruct.view.structure_tables import show_statics
 
-        show_rest(table, verbose)
+        show_statics(table, verbose)
     return NOT_TRUSTED if any(finding["severe"] for finding in table["findings"]) else GOOD
 
 
@@ -192,13 +192,13 @@ def export(
 ) -> int:
     """Write files for other programs. Tables of results for a spreadsheet; matrices or modes of a model."""
     from femstruct.files.writing import refuse_unwritable
-    from femstruct.workflow.exchange import exported
+    from femstruct.workflow.exchange import export_source
     from femstruct.workflow.modes import extent_of
 
     refuse_unwritable(output)
     extent = extent_of(count, up_to) if count is not None or up_to else None
     with progress() as tell:
-        written = exported(
+        written = export_source(
             file,
             to,
             folder=output,
@@ -230,7 +230,7 @@ def reduce(
 ) -> int:
     """Reduce a part of a model for other models. To what others touch of it and to its points; they take the file as a
     part {type: reduced}."""
-    from femstruct.workflow.exchange import reduce_model, told_of
+    from femstruct.workflow.exchange import export_lines, reduce_model
     from femstruct.workflow.modes import extent_of
 
     with progress() as tell:
@@ -238,7 +238,7 @@ def reduce(
     if as_json:
         print_json(found)
     else:
-        print(*told_of(found), sep="\n")
+        print(*export_lines(found), sep="\n")
     return GOOD
 
 
@@ -258,12 +258,12 @@ def mac(
     as_json: AsJson = False,
 ) -> int:
     """Compare a model with measured modes. Frequencies, damping, and the modal assurance criterion (MAC)."""
-    from femstruct.workflow.exchange import measured_beside
+    from femstruct.workflow.exchange import compare_measured_modes
     from femstruct.workflow.modes import extent_of
 
     extent = extent_of(count, up_to) if count is not None or up_to else None
     with progress() as tell:
-        table = measured_beside(model, measured, extent, near, length, tuple(set_), tell)
+        table = compare_measured_modes(model, measured, extent, near, length, tuple(set_), tell)
     if as_json:
         print_json(table)
     else:
@@ -349,15 +349,15 @@ def identify(
         found = identified(
             file, files, channel="", parameters=fit, delay=delay, case=case, overrides=tuple(set_), progress=tell
         )
-    told = found.table()
-    _write(told, found.beside, picture, table)
+    answer = found.table()
+    _write(answer, found.beside, picture, table)
     if as_json:
-        print_json(told)
+        print_json(answer)
     else:
         from femstruct.view.structure_tables import show_identification
 
-        show_identification(told, found.beside, verbose)
-    return NOT_TRUSTED if any(finding["severe"] for finding in told["findings"]) else GOOD
+        show_identification(answer, found.beside, verbose)
+    return NOT_TRUSTED if any(finding["severe"] for finding in answer["findings"]) else GOOD
 
 
 def _write(found: Mapping[str, Any], beside: Sequence[Beside], picture: Path | None, table: Path | None) -> None:
@@ -369,6 +369,6 @@ def _write(found: Mapping[str, Any], beside: Sequence[Beside], picture: Path | N
 
         save(fit_figure(beside, found["title"], found_lines(found)), picture)
     if table is not None:
-        from femstruct.files.sheets import write_beside
+        from femstruct.files.sheets import write_comparison
 
-        write_beside(beside, table)
+        write_comparison(beside, table)

@@ -21,11 +21,11 @@ from femstruct.commands.shared import (
     on_stderr,
     print_json,
     progress,
-    shown,
-    solved,
-    stages,
+    read_and_run,
+    show_result,
+    simulate_and_show,
     verdict,
-    watched,
+    watch_study,
 )
 from femstruct.exits import GOOD, INTERRUPTED, NOT_TRUSTED
 
@@ -57,13 +57,13 @@ def run(
     refuse_unwritable(folder)
     keep = None if replace else on_stderr
     if watch:
-        return watched(
+        return watch_study(
             study, set_, case=case, folder=folder, as_json=as_json, verbose=verbose, pictures=not no_pictures, keep=keep
         )
-    _, result = solved(study, set_, case)
+    _, result = read_and_run(study, set_, case)
     with progress() as tell:
-        seconds, told = write_all(result, folder, tell, not no_pictures, keep)
-    return shown(result, seconds, str(folder), as_json, verbose, told)
+        seconds, message = write_all(result, folder, tell, not no_pictures, keep)
+    return show_result(result, seconds, str(folder), as_json, verbose, message)
 
 
 @command
@@ -75,7 +75,7 @@ def impact(
     verbose: Verbose = False,
 ) -> int:
     """Simulate the impacts of a study. Prints peaks, contacts and energies; no files are written."""
-    return stages(study, case, set_, as_json, verbose, with_rooms=False)
+    return simulate_and_show(study, case, set_, as_json, verbose, with_rooms=False)
 
 
 @command
@@ -87,7 +87,7 @@ def sound(
     verbose: Verbose = False,
 ) -> int:
     """Simulate impacts and the sound in rooms. No files are written."""
-    return stages(study, case, set_, as_json, verbose, with_rooms=True)
+    return simulate_and_show(study, case, set_, as_json, verbose, with_rooms=True)
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -118,8 +118,8 @@ def report(
     folder = output or source.parent
     refuse_unwritable(folder)
     with progress() as tell:
-        result, told = redraw(source, folder, tell, not no_pictures, on_stderr)
-    code = shown(result, {}, str(folder), as_json, verbose, told)
+        result, message = redraw(source, folder, tell, not no_pictures, on_stderr)
+    code = show_result(result, {}, str(folder), as_json, verbose, message)
     return NOT_TRUSTED if code == INTERRUPTED else code  # the run was interrupted, not this command
 
 
@@ -136,7 +136,7 @@ def plot(
     ] = False,
 ) -> int:
     """Draw one picture of a results file. Nothing is computed anew."""
-    from femstruct.commands.shared import pictures_of, plotted
+    from femstruct.commands.shared import pictures_of, plot_picture
     from femstruct.files.results_file import read_results, results_file
     from femstruct.files.writing import refuse_unwritable
 
@@ -145,7 +145,7 @@ def plot(
     if what:
         with progress() as tell:
             tell(f"picture {what}")
-            lines = [str(path) for path in plotted(result, what, output)]
+            lines = [str(path) for path in plot_picture(result, what, output)]
         table: dict[str, Any] = {"written": lines}
     else:
         known = pictures_of(result)
@@ -181,7 +181,7 @@ def compare(
     from femstruct.files.study_tables import summary
     from femstruct.files.writing import refuse_unwritable
     from femstruct.workflow.run import write_all
-    from femstruct.workflow.run_comparison import beside, names_of
+    from femstruct.workflow.run_comparison import combine_runs, names_of
 
     if len(results) < 2:
         raise InputError("compare", got="one run", expected="two or more", do="name another results.h5 or its folder")
@@ -191,9 +191,9 @@ def compare(
     with progress() as tell:
         tell("reading")
         runs = {name: read_results(results_file(path)) for name, path in zip(names, results, strict=True)}
-        whole = beside(runs, as_typed())
-        seconds, told = ({}, "") if output is None else write_all(whole, output, tell, not no_pictures, on_stderr)
+        whole = combine_runs(runs, as_typed())
+        seconds, message = ({}, "") if output is None else write_all(whole, output, tell, not no_pictures, on_stderr)
     if as_json:
         print_json(summary(whole) | {"differences": list(whole.comparison.inputs)})
         return verdict(whole)
-    return shown(whole, seconds, str(output or ""), as_json, verbose, told)
+    return show_result(whole, seconds, str(output or ""), as_json, verbose, message)

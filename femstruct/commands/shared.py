@@ -87,7 +87,7 @@ def pictures_of(result: StudyResult) -> dict[str, str]:
     return flat | dict(zip(SOLID, solid, strict=True))
 
 
-def plotted(result: StudyResult, what: str, folder: Path) -> list[Path]:
+def plot_picture(result: StudyResult, what: str, folder: Path) -> list[Path]:
     """Draw one picture of a study, or all shapes of modes, or all of its rooms, to a folder; returns the files.
 
     Raises InputError for a name that is none of `pictures_of`, and for a picture with nothing to show, with the reason.
@@ -109,11 +109,11 @@ def plotted(result: StudyResult, what: str, folder: Path) -> list[Path]:
     if what not in SOLID:
         figure = drawings(result)[f"{what}.png"].draw()
         return [save(figure, folder / f"{what}.png")] if figure is not None else []
-    from femstruct.view.model_scene import drawn_beside, model_picture, shapes_all
+    from femstruct.view.model_scene import draw_in_process, model_picture, shapes_all
     from femstruct.view.room_scene import room_pictures, stress_pictures
 
     draw = dict(zip(SOLID, (model_picture, shapes_all, room_pictures, stress_pictures), strict=True))[what]
-    paths, left_out = drawn_beside(lambda: draw(result, folder))()
+    paths, left_out = draw_in_process(lambda: draw(result, folder))()
     if not paths:
         raise InputError(what, got=left_out, expected="a picture that can be drawn", do="choose another one")
     return paths
@@ -124,18 +124,18 @@ def plotted(result: StudyResult, what: str, folder: Path) -> list[Path]:
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def stages(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool, with_rooms: bool) -> int:
+def simulate_and_show(study: Path, case: str, sets: list[str], as_json: bool, verbose: bool, with_rooms: bool) -> int:
     """Simulate a study and print it; nothing is written. Returns the exit code."""
-    _, result = solved(study, sets, case, with_rooms=with_rooms)
-    return shown(result, {}, "", as_json, verbose)
+    _, result = read_and_run(study, sets, case, with_rooms=with_rooms)
+    return show_result(result, {}, "", as_json, verbose)
 
 
-def shown(
-    result: StudyResult, seconds: Mapping[str, float], folder: str, as_json: bool, verbose: bool, told: str = ""
+def show_result(
+    result: StudyResult, seconds: Mapping[str, float], folder: str, as_json: bool, verbose: bool, message: str = ""
 ) -> int:
     """Print a result, as tables or as JSON; returns its exit code.
 
-    seconds : of CPU, by stage, for writing to the folder. told : what more there is to say, not in JSON.
+    seconds : of CPU, by stage, for writing to the folder. message : what more there is to say, not in JSON.
     """
     if as_json:
         from femstruct.files.study_tables import summary
@@ -145,25 +145,25 @@ def shown(
         from femstruct.view.terminal import show_study
 
         show_study(result, seconds, folder, verbose)
-        if told:
-            print(told)
+        if message:
+            print(message)
     return verdict(result)
 
 
-def solved(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
+def read_and_run(study: Path, sets: list[str], case: str, with_rooms: bool = True) -> tuple[Plan, StudyResult]:
     """A study as it was read, and its result."""
     from femstruct.language.cases import read_study
-    from femstruct.workflow.bases import positioned
+    from femstruct.workflow.bases import with_positions
     from femstruct.workflow.run import run_study, without_rooms
 
     plan = read_study(study, tuple(sets), only=case or None)
     if not with_rooms:
         plan = without_rooms(plan)
-    with progress() as tell, positioned(plan):
+    with progress() as tell, with_positions(plan):
         return plan, run_study(plan, tell, as_typed())
 
 
-def watched(
+def watch_study(
     study: Path,
     sets: list[str],
     case: str,
@@ -180,22 +180,22 @@ def watched(
 
     code, last = GOOD, None
     try:
-        with progress() as told:
-            for one in rounds(study, sets, case, folder, told, command=as_typed(), keep=keep):
+        with progress() as report:
+            for one in rounds(study, sets, case, folder, report, command=as_typed(), keep=keep):
                 if one.error is not None:
                     code = tell(one.error)
-                    said = "Not run: the last results are unchanged"
+                    message = "Not run: the last results are unchanged"
                 elif one.result is not None:
                     code, last = verdict(one.result), one.result
-                    shown(last, {}, str(folder), as_json, verbose)
-                    said = f"{one.seconds:.2f} s, reused: {one.reused}"
-                print(f"{said}; waiting for a change, Ctrl-C ends", file=sys.stderr)
-                told("waiting for a change of the study's files")
+                    show_result(last, {}, str(folder), as_json, verbose)
+                    message = f"{one.seconds:.2f} s, reused: {one.reused}"
+                print(f"{message}; waiting for a change, Ctrl-C ends", file=sys.stderr)
+                report("waiting for a change of the study's files")
     except KeyboardInterrupt:
         if last is not None:
             print("writing results.h5 and pictures of the last run too; Ctrl-C again leaves them out", file=sys.stderr)
-            with progress() as told:
-                write_all(last, folder, told, pictures)
+            with progress() as report:
+                write_all(last, folder, report, pictures)
     return code
 
 
@@ -227,7 +227,7 @@ def print_json(table: Any) -> None:
 def responses(
     model: Path,
     drives: list[str],
-    heard: list[str],
+    receivers: list[str],
     asked: tuple[str, str, str, str],
     to: Literal["csv", "npz", "uff"] | None,
     folder: Path,
@@ -249,11 +249,11 @@ def responses(
         refuse_unwritable(folder)
     with progress() as tell:
         tell("modes and frequency responses")
-        table, told, positions = frfs_of(model, drives, heard, band, step, kind, sets)
+        table, answer, positions = frfs_of(model, drives, receivers, band, step, kind, sets)
     if to is not None:
         path = write_frfs(table, positions, to, folder, model, as_typed())
-        written = {"written": [str(path)], "findings": told["findings"]}
+        written = {"written": [str(path)], "findings": answer["findings"]}
         print_json(written) if as_json else show_written(written, verbose)
     else:
-        print_json(told) if as_json else show_frfs(told, verbose)
-    return NOT_TRUSTED if any(finding["severe"] for finding in told["findings"]) else GOOD
+        print_json(answer) if as_json else show_frfs(answer, verbose)
+    return NOT_TRUSTED if any(finding["severe"] for finding in answer["findings"]) else GOOD

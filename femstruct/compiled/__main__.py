@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from femstruct.compiled.kernels import CompiledUnit
-from femstruct.compiled.store import keep
+from femstruct.compiled.store import store_code
 
 
 def main() -> None:
@@ -24,7 +24,7 @@ def main() -> None:
         module, _, name = line.strip().rpartition(".")
         unit = getattr(importlib.import_module(module), name)
         assert isinstance(unit, CompiledUnit), line
-        keep(unit, machine_code(unit), folder)
+        store_code(unit, machine_code(unit), folder)
         print(unit.name, flush=True)
 
 

@@ -68,7 +68,7 @@ def _path(unit: CompiledUnit[..., Any], place: Path) -> Path:
     return place / f"{unit.symbol[-40:]}-{unit.fingerprint[:32]}{SUFFIX}"
 
 
-def kept(unit: CompiledUnit[..., Any]) -> bytes | None:
+def load_code(unit: CompiledUnit[..., Any]) -> bytes | None:
     """The machine code of a unit, None where there is none."""
     path = _path(unit, folder())
     try:
@@ -83,7 +83,7 @@ def kept(unit: CompiledUnit[..., Any]) -> bytes | None:
     return None
 
 
-def keep(unit: CompiledUnit[..., Any], code: bytes, place: Path) -> None:
+def store_code(unit: CompiledUnit[..., Any], code: bytes, place: Path) -> None:
     """Keep the machine code of a unit in a folder."""
     with tempfile.NamedTemporaryFile(dir=place, suffix=".part", delete=False) as file:
         file.write(hashlib.sha256(code).digest() + code)
@@ -107,7 +107,7 @@ def sweep(place: Path) -> None:
 
 START: Final = 1.5  # seconds until a process is ready to compile
 LOOK: Final = 0.1  # seconds between two looks at what is done
-Told = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 @dataclass(eq=False)
@@ -134,13 +134,13 @@ class Compilation:
         number = min(len(self.done) + 1, len(self.units))
         return f"compiling {number} of {len(self.units)}, about {max(left, 1.0):.0f} s left"
 
-    def wait(self, told: Told = lambda message: None) -> None:
-        """Return when all is compiled; told : hears every second how far it is. Raises FemstructError for a failure."""
-        said = 0.0
+    def wait(self, report: Report = lambda message: None) -> None:
+        """Return when all is compiled; report : called every second. Raises FemstructError for a failure."""
+        last_report = 0.0
         while any(thread.is_alive() for thread in self.threads):
-            if time.monotonic() - said > 1.0:
-                told(self.message)
-                said = time.monotonic()
+            if time.monotonic() - last_report > 1.0:
+                report(self.message)
+                last_report = time.monotonic()
             for thread in self.threads:
                 thread.join(LOOK)
         if self.failures:
@@ -158,7 +158,7 @@ def compilation(units: Sequence[CompiledUnit[..., Any]]) -> Iterator[Compilation
 
     They are ended with the block, whatever ends it.
     """
-    missing = [unit for unit in _with_called(units) if kept(unit) is None]
+    missing = [unit for unit in _with_called(units) if load_code(unit) is None]
     missing.sort(key=lambda unit: -unit.seconds)
     cores = min(len(missing), os.cpu_count() or 1)
     run = Compilation(missing, max(cores, 1))
@@ -221,11 +221,11 @@ def _work(run: Compilation, queue: SimpleQueue[CompiledUnit[..., Any]]) -> None:
 
 def code_of(units: Sequence[CompiledUnit[..., Any]]) -> dict[str, bytes]:
     """Machine code by symbol, of the store or made now. Raises FemstructError where it cannot be made."""
-    found = {unit.symbol: kept(unit) for unit in units}
+    found = {unit.symbol: load_code(unit) for unit in units}
     if None in found.values():
         with compilation(units) as running:
             running.wait()
-        found = {unit.symbol: kept(unit) for unit in units}
+        found = {unit.symbol: load_code(unit) for unit in units}
     missing = [symbol for symbol, code in found.items() if code is None]
     if missing:
         raise FemstructError(

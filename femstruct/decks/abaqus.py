@@ -418,7 +418,7 @@ def coupling(keyword: Keyword, deck: Deck) -> None:
     deck.coupling = keyword
 
 
-def coupled(keyword: Keyword, deck: Deck) -> None:
+def couple_to_reference(keyword: Keyword, deck: Deck) -> None:
     """Nodes of a surface that follow a reference node, or whose mean motion it follows."""
     head = deck.coupling
     if head is None:
@@ -495,8 +495,8 @@ STATED: Final[Mapping[str, Callable[[Keyword, Deck], None]]] = {
     "RIGIDBODY": rigid_body,
     "SURFACE": node_surface,
     "COUPLING": coupling,
-    "KINEMATIC": coupled,
-    "DISTRIBUTING": coupled,
+    "KINEMATIC": couple_to_reference,
+    "DISTRIBUTING": couple_to_reference,
     "KINEMATICCOUPLING": kinematic_coupling,
     "TRANSFORM": transform,
     "INITIALCONDITIONS": initial_conditions,

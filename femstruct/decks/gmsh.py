@@ -119,7 +119,7 @@ class _Section:
         return found["number"].astype(np.int64), found["place"].astype(np.float64)
 
     @property
-    def rest(self) -> int:
+    def remaining(self) -> int:
         """How many numbers of text are left; 0 in binary."""
         return 0 if self._words is None else len(self._words) - self._at
 
@@ -202,13 +202,13 @@ def _names(path: Path, data: bytes, sections: dict[str, tuple[int, int]]) -> dic
 
 
 def _version_2(nodes: _Section, elements: _Section, names: dict[Group, str]) -> Gathered:
-    binary = not nodes.rest
+    binary = not nodes.remaining
     count = nodes.head()
     if binary:
         numbers, points = nodes.numbered_places(count)
     else:
-        if nodes.rest != 4 * count:
-            raise nodes.refuse(f"{nodes.rest} numbers for {count} nodes", "a number and x, y, z each")
+        if nodes.remaining != 4 * count:
+            raise nodes.refuse(f"{nodes.remaining} numbers for {count} nodes", "a number and x, y, z each")
         table = nodes.take(4 * count, "d").reshape(-1, 4)
         numbers, points = table[:, 0].astype(np.int64), table[:, 1:]
     members: dict[Group, list[Integers]] = {}
@@ -237,7 +237,7 @@ def _elements_2(section: _Section, count: int, binary: bool) -> Iterator[tuple[i
             yield int(code), int(tags), section.whole(int(several) * width).reshape(-1, width)
             count -= int(several)
         return
-    values = section.whole(section.rest)
+    values = section.whole(section.remaining)
     flat, starts, at = values.tolist(), [], 0
     widths: dict[int, int] = {}
     for _ in range(count):

@@ -14,7 +14,7 @@ from femstruct.decks.unv import read_unv
 from femstruct.decks.vtu import read_vtu
 from femstruct.errors import FemstructError, InputError, InputErrors
 from femstruct.files.text_tables import content
-from femstruct.model.imported_mesh import Gathered, ImportedMesh, imported
+from femstruct.model.imported_mesh import Gathered, ImportedMesh, import_mesh
 
 LARGEST: Final = 500_000_000  # bytes
 _READERS: Final[Mapping[str, Callable[[Path, bytes], Gathered]]] = {
@@ -54,7 +54,7 @@ def read_mesh_file(path: str | Path, scale: float = 1.0, sources: dict[str, str]
     data = content(path, LARGEST, "a mesh file, named from the model's folder")
     try:
         found = reader(path, data)
-        mesh = imported(path.name, found, scale)
+        mesh = import_mesh(path.name, found, scale)
     except InputErrors:
         raise
     except FemstructError as error:  # numbers that are none, too

@@ -29,7 +29,7 @@ from femstruct.decks.nastran_cards import (
     cards_of,
 )
 from femstruct.decks.stated import in_global_directions
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.files.text_tables import lines_of, wrong_line
 from femstruct.model.imported_mesh import (
     CellBlock,
@@ -235,16 +235,16 @@ def pcomp(card: Card, bulk: Bulk) -> None:
         layers.append(StatedLayer(material, thickness, angle))
     card.seen.update(range(len(card.fields)))
     made = bulk.lay_ups[number] = tuple(layers + layers[::-1] if doubled else layers)
-    whose, line = f"{card.name} {number}", card.number
-    bulk.leave_out_of(number, whose, Makes.LAY_UP, f"{len(made)} layers", line)
+    owner, line = f"{card.name} {number}", card.number
+    bulk.leave_out_of(number, owner, Makes.LAY_UP, f"{len(made)} layers", line)
     if card.real(2, 0.0):
-        bulk.spread.append(SpreadMass(f"NSM of {whose}", card.real(2), "area", line, (number,)))
+        bulk.spread.append(SpreadMass(f"NSM of {owner}", card.real(2), "area", line, (number,)))
     if (word := card.field(7).upper()) not in ("", "SYM"):
-        bulk.leave_out_of(number, f"LAM {word} of {whose}", Makes.SECTION, "layers that act otherwise", line)
+        bulk.leave_out_of(number, f"LAM {word} of {owner}", Makes.SECTION, "layers that act otherwise", line)
     total = sum(one.thickness for one in made)
     if card.field(1) and made and abs(card.real(1) + total / 2.0) > SAME * total:
         what = "the lowest face is not half the thickness below the nodes"
-        bulk.leave_out_of(number, f"Z0 of {whose}", Makes.OFFSET, what, line)
+        bulk.leave_out_of(number, f"Z0 of {owner}", Makes.OFFSET, what, line)
 
 
 def nsm(card: Card, bulk: Bulk) -> bool:
@@ -261,7 +261,7 @@ def nsm(card: Card, bulk: Bulk) -> bool:
     else:
         pairs = [([card.whole(at)], card.real(at + 1)) for at in range(2, len(card.fields), 2) if card.field(at)]
     for numbers, amount in pairs:
-        what = f"{card.name} of {kind} {some_of([str(one) for one in numbers])}"
+        what = f"{card.name} of {kind} {list_some([str(one) for one in numbers])}"
         if kind == "ELEMENT" or per == "total":
             properties = () if kind == "ELEMENT" else tuple(numbers)
             elements = tuple(numbers) if kind == "ELEMENT" else ()
@@ -294,10 +294,10 @@ def judge_shells(bulk: Bulk) -> None:
     constants = {one.name: dict(one.constants) for one in bulk.materials}
     for number, one in bulk.shells.items():
         if cells := bulk.by_property.get(number):
-            whose, line = f"PSHELL {number}", one.card.number
+            owner, line = f"PSHELL {number}", one.card.number
             if one.nsm:
-                bulk.spread.append(SpreadMass(f"NSM of {whose}", one.nsm, "area", line, (number,)))
-            for what, makes, changes in (*_bends_otherwise(whose, one, constants), *_shears(whose, one, constants)):
+                bulk.spread.append(SpreadMass(f"NSM of {owner}", one.nsm, "area", line, (number,)))
+            for what, makes, changes in (*_bends_otherwise(owner, one, constants), *_shears(owner, one, constants)):
                 left.add(what, makes, changes, line, cells)
     _judge_corners(bulk)
 

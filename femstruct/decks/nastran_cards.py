@@ -9,7 +9,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Final, Literal, NamedTuple
 
-from femstruct.errors import InputError, InputErrors, shown_as
+from femstruct.errors import InputError, InputErrors, quote_value
 from femstruct.files.text_tables import beside, content, lines_of, wrong_line
 from femstruct.model.imported_mesh import Makes, StatedLayer, StatedLink, StatedMass, StatedMaterial, Tally
 
@@ -221,7 +221,7 @@ class Card(NamedTuple):
         try:
             return int(word)
         except ValueError:
-            raise self.refuse(f"{shown_as(word)} in field {index + 2}", "a whole number") from None
+            raise self.refuse(f"{quote_value(word)} in field {index + 2}", "a whole number") from None
 
     def real(self, index: int, default: float | None = None) -> float:
         """A number, also as 1.5-3; `default` where the field is empty, refused without one."""
@@ -235,7 +235,7 @@ class Card(NamedTuple):
         except ValueError:
             number = nan
         if not isfinite(number):
-            raise self.refuse(f"{shown_as(word)} in field {index + 2}", "a number")
+            raise self.refuse(f"{quote_value(word)} in field {index + 2}", "a number")
         return number
 
     def several(self, first: int) -> list[int]:
@@ -254,7 +254,7 @@ class Card(NamedTuple):
                 numbers.append(int(words[at]))
                 at += 1
             else:
-                raise self.refuse(shown_as(words[at]), "whole numbers, or FIRST THRU LAST")
+                raise self.refuse(quote_value(words[at]), "whole numbers, or FIRST THRU LAST")
         return numbers
 
 

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from femstruct.arrays import Integers
-from femstruct.errors import InputError, cut
+from femstruct.errors import InputError, shorten
 from femstruct.model.imported_mesh import CellBlock, Gathered
 
 _KINDS: Final = {
@@ -29,9 +29,9 @@ def read_vtu(path: Path, data: bytes) -> Gathered:
     """
     import meshio  # type: ignore[import-untyped]
 
-    told = io.StringIO()
+    output = io.StringIO()
     try:
-        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
             mesh = meshio.read(path, file_format="vtu")
         blocks = [(block.type, np.asarray(block.data)) for block in mesh.cells]
         points = np.asarray(mesh.points, dtype=np.float64)
@@ -39,8 +39,10 @@ def read_vtu(path: Path, data: bytes) -> Gathered:
         if b"UnstructuredGrid" not in data:
             raise InputError("", got=f"'{path.name}', which is no unstructured grid", expected="a .vtu file") from None
         kind = "" if isinstance(error, SystemExit | AssertionError) else type(error).__name__
-        words = " ".join(str(error).split()) if not isinstance(error, SystemExit) else " ".join(told.getvalue().split())
-        why = ": ".join(one for one in (kind, cut(words, 120)) if one) or "no reason given"
+        words = (
+            " ".join(str(error).split()) if not isinstance(error, SystemExit) else " ".join(output.getvalue().split())
+        )
+        why = ": ".join(one for one in (kind, shorten(words, 120)) if one) or "no reason given"
         raise InputError(
             "",
             got=f"'{path.name}', an unstructured grid that meshio cannot read ({why})",

@@ -37,7 +37,7 @@ def frames(corners: ArrayLike) -> Floats:
     -----
     x of a quadrilateral lies as near as can be to two of its sides, so that it depends on the corner to start with by
     quarter turns alone; x of a triangle lies along its first side. Rigidities that depend on direction are given in
-    these axes: `turned` brings them here.
+    these axes: `rotate_rigidities` brings them here.
 
     >>> bool(np.allclose(frames([[[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]])[0], np.eye(3)))
     True
@@ -57,7 +57,7 @@ def frames(corners: ArrayLike) -> Floats:
     return np.stack([x, np.cross(normal, x), normal], axis=1)
 
 
-def flattened(corners: Floats, R: Floats) -> tuple[Floats, Floats]:
+def flatten(corners: Floats, R: Floats) -> tuple[Floats, Floats]:
     """Corners in the plane of each element and their heights above it: [n, k, 2] and [n, k] [m], about the centre."""
     own = (corners - corners.mean(axis=1, keepdims=True)) @ R.swapaxes(1, 2)
     return own[..., :2], own[..., 2]
@@ -72,9 +72,9 @@ def angles(R: ArrayLike, direction: ArrayLike) -> Floats:
     0.25
     """
     axes = np.asarray(R, dtype=np.float64)
-    wanted = np.broadcast_to(np.asarray(direction, dtype=np.float64), (len(axes), 3))
-    along, across, _ = np.einsum("nij,nj->in", axes, wanted)
-    lost = ~(np.hypot(along, across) > PARALLEL * np.linalg.norm(wanted, axis=1))
+    directions = np.broadcast_to(np.asarray(direction, dtype=np.float64), (len(axes), 3))
+    along, across, _ = np.einsum("nij,nj->in", axes, directions)
+    lost = ~(np.hypot(along, across) > PARALLEL * np.linalg.norm(directions, axis=1))
     if lost.any():
         where = f"orientation at cell {np.flatnonzero(lost)[0]}"
         raise InputError(where, got="the direction of its normal", expected="a direction along the surface")
@@ -82,7 +82,7 @@ def angles(R: ArrayLike, direction: ArrayLike) -> Floats:
     return result
 
 
-def turned(rigidity: ArrayLike, angle: ArrayLike) -> Floats:
+def rotate_rigidities(rigidity: ArrayLike, angle: ArrayLike) -> Floats:
     """Rigidities in the axes of elements from those in the axes of the material.
 
     rigidity [3, 3] or [n, 3, 3] : A, B or D for (xx, yy, 2 xy); [2, 2] or [n, 2, 2] : As for the shear strains of x and
@@ -90,17 +90,17 @@ def turned(rigidity: ArrayLike, angle: ArrayLike) -> Floats:
 
     Returns [n, 3, 3] or [n, 2, 2].
 
-    >>> turned(np.diag([4.0, 1.0, 0.5]), [np.pi / 2])[0].round(12).diagonal()
+    >>> rotate_rigidities(np.diag([4.0, 1.0, 0.5]), [np.pi / 2])[0].round(12).diagonal()
     array([1. , 4. , 0.5])
     """
     matrix = np.asarray(rigidity, dtype=np.float64)
-    return laminate.turned_shear(matrix, angle) if matrix.shape[-1] == 2 else laminate.turned(matrix, angle)
+    return laminate.rotate_shear(matrix, angle) if matrix.shape[-1] == 2 else laminate.rotate_stiffness(matrix, angle)
 
 
-def turned_resultants(rows: ArrayLike, angle: ArrayLike) -> Floats:
+def rotate_resultants(rows: ArrayLike, angle: ArrayLike) -> Floats:
     """Rows of (Nx Ny Nxy Mx My Mxy Qx Qy) in axes turned by angles about z: [m, 8, k], [m] [rad] -> [m, 8, k].
 
-    >>> turned_resultants(np.eye(8)[None, :, :1], [np.pi / 2])[0, :, 0].round(12)
+    >>> rotate_resultants(np.eye(8)[None, :, :1], [np.pi / 2])[0, :, 0].round(12)
     array([ 0.,  1., -0.,  0.,  0.,  0.,  0.,  0.])
     """
     forces, turn = np.asarray(rows, dtype=np.float64), np.asarray(angle, dtype=np.float64)
@@ -142,7 +142,7 @@ def out_of_own_axes(rows: Floats, R: Floats) -> Floats:
     return result
 
 
-def congruent(matrices: Floats, T: Floats) -> Floats:
+def congruence(matrices: Floats, T: Floats) -> Floats:
     """T' matrices T, exactly symmetric."""
     return symmetric(T.swapaxes(1, 2) @ (matrices @ T))
 
@@ -178,7 +178,7 @@ ALIKE: Final = 1e-12
 _KEPT: Final = 31 * 2**20  # bytes
 
 
-def each_once(size: int, matrices: Callable[..., Floats], *arrays: Floats) -> Floats:
+def matrices_by_kind(size: int, matrices: Callable[..., Floats], *arrays: Floats) -> Floats:
     """Matrices [n, size, size] of elements by a function of arrays that have one entry an element [n, ..].
 
     Elements with the same entries but for rounding get the matrix of the first of them; a mesh whose first
@@ -186,13 +186,13 @@ def each_once(size: int, matrices: Callable[..., Floats], *arrays: Floats) -> Fl
 
     >>> def squares(sides):
     ...     return sides[:, None, None] ** 2
-    >>> each_once(1, squares, np.array([1.0, 2.0, 1.0, 2.0, 2.0])).ravel()
+    >>> matrices_by_kind(1, squares, np.array([1.0, 2.0, 1.0, 2.0, 2.0])).ravel()
     array([1., 4., 1., 4., 4.])
     """
     count = len(arrays[0])
     first = of = np.arange(count)
-    if 2 * len(alike(*(array[:SAMPLE] for array in arrays))[0]) <= min(count, SAMPLE):
-        first, of = alike(*arrays)
+    if 2 * len(kinds_of_elements(*(array[:SAMPLE] for array in arrays))[0]) <= min(count, SAMPLE):
+        first, of = kinds_of_elements(*arrays)
     # A freed array of this size makes glibc keep what is freed: a third of the time went into getting memory again.
     np.empty(_KEPT, np.uint8)
     found = np.empty((len(first), size, size))
@@ -202,10 +202,10 @@ def each_once(size: int, matrices: Callable[..., Floats], *arrays: Floats) -> Fl
     return found if len(first) == count else found[of]
 
 
-def alike(*arrays: Floats) -> tuple[Integers, Integers]:
+def kinds_of_elements(*arrays: Floats) -> tuple[Integers, Integers]:
     """The first elements of each kind [k] and the kind of every element [n], by arrays with one entry an element.
 
-    >>> [numbers.tolist() for numbers in alike(np.array([[0.1, 1.0], [0.3, 1.0], [0.1 + 1e-16, 1.0]]))]
+    >>> [numbers.tolist() for numbers in kinds_of_elements(np.array([[0.1, 1.0], [0.3, 1.0], [0.1 + 1e-16, 1.0]]))]
     [[0, 1], [0, 1, 0]]
     """
     steps = np.concatenate([_steps(array) for array in arrays], axis=1)

@@ -64,12 +64,12 @@ def plane_stress(E1: ArrayLike, E2: ArrayLike, nu12: ArrayLike, G12: ArrayLike) 
     return Q
 
 
-def turned(Q: ArrayLike, angle: ArrayLike) -> Floats:
+def rotate_stiffness(Q: ArrayLike, angle: ArrayLike) -> Floats:
     """In-plane stiffnesses Q, A, B or D [..., 3, 3] of something whose axis 1 is turned by an angle from x.
 
     angle [...] : from x to axis 1 about +z [rad].
 
-    >>> turned(np.diag([8.0, 2.0, 1.0]), np.pi / 2).round(9).diagonal()
+    >>> rotate_stiffness(np.diag([8.0, 2.0, 1.0]), np.pi / 2).round(9).diagonal()
     array([2., 8., 1.])
     """
     strains = strain_turn(angle)
@@ -94,10 +94,10 @@ def strain_turn(angle: ArrayLike) -> Floats:
     )
 
 
-def turned_shear(G: ArrayLike, angle: ArrayLike) -> Floats:
+def rotate_shear(G: ArrayLike, angle: ArrayLike) -> Floats:
     """Transverse shear stiffnesses G or As [..., 2, 2] of something whose axis 1 is turned by an angle from x [rad].
 
-    >>> turned_shear(np.diag([8.0, 2.0]), np.pi / 2).round(9).diagonal()
+    >>> rotate_shear(np.diag([8.0, 2.0]), np.pi / 2).round(9).diagonal()
     array([2., 8.])
     """
     strains = shear_strain_turn(angle)
@@ -178,7 +178,7 @@ def shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0)
     >>> shear_stiffness(one, [6.0 * np.eye(2)], [-1.0, 1.0]).round(9).diagonal()  # 5/6 G h
     array([10., 10.])
     """
-    return turned_shear(np.linalg.inv(_shear_compliances(Q, G, z, axis).sum(axis=0)), axis)
+    return rotate_shear(np.linalg.inv(_shear_compliances(Q, G, z, axis).sum(axis=0)), axis)
 
 
 def layer_shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float, of: Integers) -> Floats:
@@ -209,7 +209,7 @@ def layer_shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float,
         parts.append(vectors * values.clip(0.0) @ vectors.T)
     values, vectors = np.linalg.eigh(np.sum(parts, axis=0))
     reduced = root @ (vectors / np.sqrt(values)) @ vectors.T
-    return turned_shear(reduced @ np.stack(parts) @ reduced.T, axis)
+    return rotate_shear(reduced @ np.stack(parts) @ reduced.T, axis)
 
 
 def shear_shares(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0) -> Floats:
@@ -269,12 +269,12 @@ def free_to_stretch(A: ArrayLike, B: ArrayLike, D: ArrayLike) -> Floats:
     return (left + left.T) / 2.0
 
 
-def slipping(Q: ArrayLike, z: ArrayLike, bond: float) -> tuple[Floats, Floats, Floats]:
+def with_slip(Q: ArrayLike, z: ArrayLike, bond: float) -> tuple[Floats, Floats, Floats]:
     """Rigidities B [N], D [N m], each [3, 3], of layers that slip on each other, and the share [n] of every layer in
     the energy of bending; each layer bends about its own middle. bond : share of the way to layers without slip [1].
 
-    >>> _, D, _ = slipping(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 0.0)
-    >>> float(D[0, 0]), float(slipping(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 1.0)[1][0, 0])  # 2 D, 8 D
+    >>> _, D, _ = with_slip(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 0.0)
+    >>> float(D[0, 0]), float(with_slip(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 1.0)[1][0, 0])  # 2 D, 8 D
     (2.0, 8.0)
     """
     layers, _, _ = _faces(Q, z)
@@ -355,9 +355,9 @@ def _shear_of_forces(layers: Floats, low: Floats, high: Floats, at: Floats) -> F
 
 def _shear_compliances(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float) -> Floats:
     """Compliances [n, 2, 2] of the layers under unit shear forces, along `axis` and across."""
-    layers, low, high = _faces(turned(Q, -axis), z)
+    layers, low, high = _faces(rotate_stiffness(Q, -axis), z)
     places, weights = gauss_interval(GAUSS_POINTS)
     at = low[:, None] + (high - low)[:, None] * places
     stresses = _shear_of_forces(layers, low, high, at)
-    soft = np.linalg.inv(turned_shear(G, -axis))
+    soft = np.linalg.inv(rotate_shear(G, -axis))
     return np.asarray(np.einsum("ngsi,nst,ngtj,g,n->nij", stresses, soft, stresses, weights, high - low))

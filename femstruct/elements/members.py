@@ -67,14 +67,14 @@ def directions(start: ArrayLike, end: ArrayLike, orientation: ArrayLike | None =
     x = axis / length
     if orientation is None:
         vertical = np.hypot(x[:, 0], x[:, 1]) < VERTICAL
-        wanted = np.where(vertical[:, None], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+        reference = np.where(vertical[:, None], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
     else:
-        wanted = np.broadcast_to(np.asarray(orientation, dtype=np.float64), x.shape)
-        size = np.linalg.norm(wanted, axis=1, keepdims=True)
+        reference = np.broadcast_to(np.asarray(orientation, dtype=np.float64), x.shape)
+        size = np.linalg.norm(reference, axis=1, keepdims=True)
         if not (np.isfinite(size) & (size > 0)).all():
             raise InputError("orientation", got="a zero vector", expected="a direction across the member")
-        wanted = wanted / size
-    y = np.cross(wanted, x)
+        reference = reference / size
+    y = np.cross(reference, x)
     sine = np.linalg.norm(y, axis=1, keepdims=True)
     if (sine < PARALLEL).any():
         raise InputError("orientation", got="a vector parallel to the member", expected="a direction across the member")

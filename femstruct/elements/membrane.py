@@ -32,10 +32,10 @@ from numpy.typing import ArrayLike
 from femstruct.arrays import Floats
 from femstruct.elements.flat_elements import (
     cells,
-    each_once,
     gradients,
     in_plane_inertia,
     in_plane_rows,
+    matrices_by_kind,
     per_area,
     side_displacements,
     slopes,
@@ -88,7 +88,7 @@ def stiffness(xy: ArrayLike, A: ArrayLike, drilling: float = 1.0, share: ArrayLi
     """
     corners, given = cells(xy), [symmetric_rigidity("A", of) for of in (A, share) if of is not None]
     each = [np.broadcast_to(rigidity, (len(corners), 3, 3)) for rigidity in given]
-    return each_once(N_DOFS, partial(_stiffness, drilling), corners - corners[:, :1], *each)
+    return matrices_by_kind(N_DOFS, partial(_stiffness, drilling), corners - corners[:, :1], *each)
 
 
 def mass(xy: ArrayLike, m0: ArrayLike, m2: ArrayLike) -> Floats:
@@ -107,7 +107,7 @@ def mass(xy: ArrayLike, m0: ArrayLike, m2: ArrayLike) -> Floats:
     """
     corners = cells(xy)
     given = (per_area(name, of, len(corners)) for name, of in (("m0", m0), ("m2", m2)))
-    return each_once(N_DOFS, _mass, corners - corners[:, :1], *given)
+    return matrices_by_kind(N_DOFS, _mass, corners - corners[:, :1], *given)
 
 
 def interpolate(xy: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
@@ -181,15 +181,15 @@ def elimination(matrices: Floats) -> Floats:
     return product
 
 
-def condensed(matrices: Floats) -> Floats:
+def condense(matrices: Floats) -> Floats:
     """Matrices without their two last unknowns, which are eliminated: [n, k, k] -> [n, k-2, k-2]."""
     product: Floats = matrices[:, :-2, :-2] - matrices[:, :-2, -2:] @ elimination(matrices)
     return product
 
 
 def condensed_share(whole: Floats, share: Floats) -> Floats:
-    """A part of the energy of matrices whose two last unknowns follow the others as `condensed` has it of the whole:
-    [n, k, k] twice -> [n, k-2, k-2]. The parts of a sum add up to `condensed` of it."""
+    """A part of the energy of matrices whose two last unknowns follow the others as `condense` has it of the whole:
+    [n, k, k] twice -> [n, k-2, k-2]. The parts of a sum add up to `condense` of it."""
     inner = elimination(whole)
     mixed = share[:, :-2, -2:] @ inner
     product: Floats = share[:, :-2, :-2] - mixed - mixed.swapaxes(1, 2)
@@ -250,7 +250,7 @@ def drilling_stiffness(corners: Floats, modulus: ArrayLike) -> Floats:
 
 def _stiffness(drilling: float, corners: Floats, A: Floats, share: Floats | None = None) -> Floats:
     energy = _energy(drilling, corners, A)
-    own = condensed(energy) if share is None else condensed_share(energy, _energy(drilling, corners, share))
+    own = condense(energy) if share is None else condensed_share(energy, _energy(drilling, corners, share))
     return by_corner(symmetric(own))
 
 

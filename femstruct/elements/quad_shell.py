@@ -36,12 +36,12 @@ from femstruct.elements import flat_elements, membrane
 from femstruct.elements.flat_elements import (
     Rigidities,
     cells,
-    congruent,
-    each_once,
-    flattened,
+    congruence,
+    flatten,
     frames,
     gradients,
     masses,
+    matrices_by_kind,
     out_of_own_axes,
     own_motion,
     section,
@@ -85,7 +85,7 @@ def shear_rows(corners: Floats, xi: Floats, eta: Floats) -> tuple[Floats, Floats
 N_DOFS: Final = 24
 # Of DOFs in own axes, in the order of `own_motion`.
 _SHEAR, _BENDING, _IN_PLANE, _MEMBRANE = slice(0, 12), slice(4, 12), slice(4, 24), slice(12, 24)
-_AS_LEANS: Final = slice(0, 8)  # strain rows of u and v are curvature rows of beta_x and beta_y
+_ROTATION_ROWS: Final = slice(0, 8)  # strain rows of u and v are curvature rows of beta_x and beta_y
 
 
 def stiffness(
@@ -115,7 +115,7 @@ def stiffness(
     """
     R, xy, heights = _placed(corners)
     given = [*section(len(xy), A, B, D, As), *(section(len(xy), *share) if share is not None else ())]
-    return each_once(N_DOFS, partial(_stiffness, drilling), R, xy, heights, *given)
+    return matrices_by_kind(N_DOFS, partial(_stiffness, drilling), R, xy, heights, *given)
 
 
 def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Floats:
@@ -133,7 +133,7 @@ def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Flo
     20.0
     """
     R, xy, heights = _placed(corners)
-    return each_once(N_DOFS, _mass, R, xy, heights, *masses(len(xy), m0, m1, m2))
+    return matrices_by_kind(N_DOFS, _mass, R, xy, heights, *masses(len(xy), m0, m1, m2))
 
 
 def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
@@ -170,7 +170,7 @@ def resultants(
     strain, curvature, gamma = (np.zeros((len(xy), size, N_DOFS)) for size in (3, 3, 2))
     strain[..., _MEMBRANE] = there[..., : membrane.N_DOFS]
     strain[..., _IN_PLANE] -= there[..., membrane.N_DOFS :] @ bubble
-    curvature[..., _BENDING] = there[..., _AS_LEANS]
+    curvature[..., _BENDING] = there[..., _ROTATION_ROWS]
     gamma[..., _SHEAR] = shear_rows(xy, along, across)[0][:, 0]
     forces = [stretch @ strain + coupling @ curvature, coupling.swapaxes(1, 2) @ strain + bend @ curvature]
     product: Floats = np.concatenate([*forces, shear @ gamma], axis=1) @ own_motion(R, heights)
@@ -181,7 +181,7 @@ def _placed(corners: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Own axes [n, 3, 3], checked corners in the mean plane [n, 4, 2], heights of the nodes above it [n, 4]."""
     points = np.asarray(corners, dtype=np.float64)
     R = frames(points)
-    xy, heights = flattened(points, R)
+    xy, heights = flatten(points, R)
     return R, cells(xy), heights
 
 
@@ -194,22 +194,22 @@ def _stiffness(drilling: float, R: Floats, xy: Floats, heights: Floats, *rigidit
         part = _in_plane_energy(xy, share[0], share[1], share[2], drilling)
         own[:, _IN_PLANE, _IN_PLANE] = membrane.condensed_share(whole, part)
     else:
-        own[:, _IN_PLANE, _IN_PLANE] = membrane.condensed(whole)
+        own[:, _IN_PLANE, _IN_PLANE] = membrane.condense(whole)
     xi, eta, weights = square_points(2)
     rows, areas = shear_rows(xy, xi, eta)
     own[:, _SHEAR, _SHEAR] += membrane.strain_energy(rows, rigidities[-1], rows, areas * weights)
-    return congruent(own, own_motion(R, heights))
+    return congruence(own, own_motion(R, heights))
 
 
 def _mass(R: Floats, xy: Floats, heights: Floats, m0: Floats, m1: Floats, m2: Floats) -> Floats:
     own = flat_elements.inertia(value_products(xy), flat_elements.side_displacements(xy), m0, m1, m2)
-    return congruent(own, own_motion(R, heights))
+    return congruence(own, own_motion(R, heights))
 
 
 def _in_plane_energy(xy: Floats, A: Floats, B: Floats, D: Floats, drilling: float) -> Floats:
     """Twice the energy of bending and stretching and of their coupling: [n, 22, 22], the bubble last."""
     strains = membrane.strains(xy)
-    curvatures = strains.rows[..., _AS_LEANS]
+    curvatures = strains.rows[..., _ROTATION_ROWS]
     energy = np.zeros((len(xy), 22, 22))
     energy[:, :8, :8] = membrane.strain_energy(curvatures, D, curvatures, strains.areas)
     energy[:, 8:, 8:] = strains.energy(A)

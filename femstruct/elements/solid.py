@@ -109,11 +109,11 @@ def hooke(E: Sequence[float], G: Sequence[float], nu: Sequence[float]) -> Floats
     return np.asarray((C + C.T) / 2.0)
 
 
-def turned(C: ArrayLike, axes: ArrayLike) -> Floats:
+def rotate_elasticity(C: ArrayLike, axes: ArrayLike) -> Floats:
     """Elasticity [6, 6] [Pa] along global axes of a material whose own x, y, z are the rows of axes [3, 3].
 
     >>> quarter = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
-    >>> turned(np.diag([3.0, 2.0, 1.0, 1.0, 1.0, 1.0]), quarter).diagonal().round(9)
+    >>> rotate_elasticity(np.diag([3.0, 2.0, 1.0, 1.0, 1.0, 1.0]), quarter).diagonal().round(9)
     array([2., 3., 1., 1., 1., 1.])
     """
     R = np.asarray(axes, dtype=np.float64)

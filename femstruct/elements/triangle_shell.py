@@ -23,12 +23,12 @@ from femstruct.arrays import Floats
 from femstruct.elements import flat_elements
 from femstruct.elements.flat_elements import (
     Rigidities,
-    congruent,
+    congruence,
     cross,
-    each_once,
-    flattened,
+    flatten,
     frames,
     masses,
+    matrices_by_kind,
     out_of_own_axes,
     own_motion,
     section,
@@ -226,7 +226,7 @@ def stiffness(
     """
     R, xy = _placed(corners)
     given = [*section(len(xy), A, B, D, As), *(section(len(xy), *share) if share is not None else ())]
-    return each_once(N_DOFS, _stiffness, R, xy, *given)
+    return matrices_by_kind(N_DOFS, _stiffness, R, xy, *given)
 
 
 def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Floats:
@@ -244,7 +244,7 @@ def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Flo
     10.0
     """
     R, xy = _placed(corners)
-    return each_once(N_DOFS, _mass, R, xy, *masses(len(xy), m0, m1, m2))
+    return matrices_by_kind(N_DOFS, _mass, R, xy, *masses(len(xy), m0, m1, m2))
 
 
 def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
@@ -299,14 +299,14 @@ def _stiffness(R: Floats, xy: Floats, *rigidities: Floats) -> Floats:
     if B.any():
         own[:, _MEMBRANE, _PLATE] = strain_energy(strains, B, curvatures, each)
         own[:, _PLATE, _MEMBRANE] = own[:, _MEMBRANE, _PLATE].swapaxes(1, 2)
-    return congruent(own, own_motion(R, np.zeros((len(xy), 3))))
+    return congruence(own, own_motion(R, np.zeros((len(xy), 3))))
 
 
 def _mass(R: Floats, xy: Floats, m0: Floats, m1: Floats, m2: Floats) -> Floats:
     own = flat_elements.inertia(
         _areas(xy)[:, None, None] * _value_integrals(), flat_elements.side_displacements(xy), m0, m1, m2
     )
-    return congruent(own, own_motion(R, np.zeros((len(xy), 3))))
+    return congruence(own, own_motion(R, np.zeros((len(xy), 3))))
 
 
 def _placed(corners: ArrayLike) -> tuple[Floats, Floats]:
@@ -315,7 +315,7 @@ def _placed(corners: ArrayLike) -> tuple[Floats, Floats]:
     R = frames(points)
     if points.shape[1] != 3:
         raise InputError("corners", got=f"shape {points.shape}", expected="shape (n, 3, 3)")
-    return R, flattened(points, R)[0]
+    return R, flatten(points, R)[0]
 
 
 def _areas(xy: Floats) -> Floats:

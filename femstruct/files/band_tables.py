@@ -8,7 +8,7 @@ from math import floor, log10
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from femstruct.errors import InputError, shown_as, some_of
+from femstruct.errors import InputError, list_some, quote_value
 from femstruct.files.text_tables import Head, TextRow, TextTable, head_of, read_grid, scale_of, wrong_in
 
 LOWEST_HZ, HIGHEST_HZ = 10.0, 20e3  # nominal third octaves
@@ -52,12 +52,12 @@ def band_of(text: str, in_kilohertz: bool = False) -> float | None:
     do = _THOUSANDS if re.fullmatch(r"\d{1,2}[.,]\d{3}", found[1]) else ""
     expected = f"a nominal octave or third octave from {LOWEST_HZ:g} Hz to {HIGHEST_HZ / 1e3:g} kHz"
     if not frequency > 0.0:
-        raise InputError("", got=f"a band of {shown_as(text)}", expected=expected, do=do)
+        raise InputError("", got=f"a band of {quote_value(text)}", expected=expected, do=do)
     step = round(10.0 * log10(frequency / 1000.0))
     nominal = float(f"{_NOMINAL[step % 10] * 10.0 ** (3 + floor(step / 10)):.6g}")
     off = abs(frequency / (1000.0 * 10.0 ** (step / 10.0)) - 1.0)
     if not LOWEST_HZ <= nominal <= HIGHEST_HZ or off > _NEAR:
-        raise InputError("", got=f"a band of {shown_as(text)}", expected=expected, do=do)
+        raise InputError("", got=f"a band of {quote_value(text)}", expected=expected, do=do)
     return nominal
 
 
@@ -94,17 +94,17 @@ def bands_in(grid: TextTable, dimension: str, column: str = "") -> dict[float, B
             if row.cells[0].lower().split("[")[0].strip(" ()") in _TOTALS:
                 continue
             alike = len(row.cells) == len(rows[0].cells)  # else it may be another file altogether
-            got = shown_as(row.cells[0]) if alike else f"{len(row.cells)} columns"
+            got = quote_value(row.cells[0]) if alike else f"{len(row.cells)} columns"
             raise grid.wrong(row, got, f"a band, such as 63, 1k or 1,25 kHz, and {len(rows[0].cells) - 1} values")
         if band in found:
             raise grid.wrong(row, f"{band:g} Hz again (line {found[band].line})", "each band once")
         cell = row.cells[number + 1] if number + 1 < len(row.cells) else ""
         value = None if cell.lower() in _BLANK else grid.number(row, cell)
         if value is None:
-            got = f"no value at {band:g} Hz" if cell.lower() in _BLANK else shown_as(cell)
+            got = f"no value at {band:g} Hz" if cell.lower() in _BLANK else quote_value(cell)
             raise grid.wrong(row, got, "a number in every band", "leave out the line of a band that was not measured")
         if lost := next((one for one in row.cells[len(heads) + 1 :] if grid.number(row, one) is not None), ""):
-            raise grid.wrong(row, f"{shown_as(lost)} beyond the columns above", f"{len(rows[0].cells) - 1} values")
+            raise grid.wrong(row, f"{quote_value(lost)} beyond the columns above", f"{len(rows[0].cells) - 1} values")
         found[band] = BandValue(scale(value), row.line)
     return found
 
@@ -118,7 +118,7 @@ def _table(grid: TextTable) -> tuple[list[list[str]], bool, list[TextRow]]:
     first = next((i for i, row in enumerate(grid.rows) if len(row.cells) > 1 and _begins(grid, row)), None)
     for row in grid.rows[:first]:  # a value that cannot be read would take its band with it
         if first is not None and len(row.cells) == len(grid.rows[first].cells) and _is_band(row.cells[0]):
-            raise grid.wrong(row, shown_as(", ".join(row.cells[1:])), "a number in every band")
+            raise grid.wrong(row, quote_value(", ".join(row.cells[1:])), "a number in every band")
     if first is None:
         line = grid.rows[0].line if grid.rows else 1
         expected = "lines of a band and a value, such as '63;0,52' or '1k, 0.52'"
@@ -140,7 +140,7 @@ def _is_across(grid: TextTable, at: int) -> bool:
     except InputError as error:
         if _bands(row.cells[1:]) < 3:
             return False
-        raise grid.wrong(row, f"{shown_as(row.cells[0])} before bands", f"a label, or {error.expected}") from None
+        raise grid.wrong(row, f"{quote_value(row.cells[0])} before bands", f"a label, or {error.expected}") from None
     if labelled:
         return _bands(row.cells[1:]) >= 3
     if _bands(row.cells) < 3:
@@ -166,7 +166,7 @@ def _turned(grid: TextTable, across: int) -> tuple[list[list[str]], bool, list[T
             raise grid.wrong(row, f"{len(row.cells) - 1} values", f"one for each of the {len(head.cells) - 1} bands")
         lost = next((cell for name, cell in zip(head.cells, row.cells, strict=False) if cell and not name), "")
         if lost and lost != row.cells[0]:
-            raise grid.wrong(row, f"{shown_as(lost)} below no band", "a band above each value")
+            raise grid.wrong(row, f"{quote_value(lost)} below no band", "a band above each value")
     named = [i for i, cell in enumerate(head.cells) if i and cell]
     rows = [TextRow(below[0].line, [head.cells[i], *(row.cells[i] for row in below)]) for i in named]
     return [[row.cells[0]] for row in below], _in_kilohertz(head.cells[0]), rows
@@ -178,7 +178,7 @@ def _labelled(grid: TextTable, head: TextRow, below: list[TextRow]) -> tuple[Tex
     for row in below:
         words = bool(row.cells[0]) and row.cells[0].lower() not in _BLANK and grid.number(row, row.cells[0]) is None
         if words and len(row.cells) <= len(head.cells):
-            got = f"{shown_as(row.cells[0])} below the band {head.cells[0]}"
+            got = f"{quote_value(row.cells[0])} below the band {head.cells[0]}"
             raise grid.wrong(row, got, "a value", "write a word, such as 'Band', before the first band")
         made.append(row if words else TextRow(row.line, ["", *row.cells]))
     return TextRow(head.line, ["", *head.cells]), made
@@ -190,7 +190,7 @@ def _chosen(grid: TextTable, heads: Sequence[Head], column: str, line: int) -> i
     if column:
         fitting = [i for i, name in enumerate(names) if name == column]
         if not fitting:
-            error = InputError("", got=f"no column '{column}'", expected=f"one of {some_of(names)}")
+            error = InputError("", got=f"no column '{column}'", expected=f"one of {list_some(names)}")
             raise wrong_in(grid.path, line, error)
         if len(fitting) > 1:
             got = f"{len(fitting)} columns '{column}'"
@@ -199,7 +199,7 @@ def _chosen(grid: TextTable, heads: Sequence[Head], column: str, line: int) -> i
             )
         return fitting[0]
     if len(heads) > 1:
-        known = some_of([name or f"column {i + 2}" for i, name in enumerate(names)])
+        known = list_some([name or f"column {i + 2}" for i, name in enumerate(names)])
         do = f"write 'column: {names[0]}' beside the file" if names[0] else "keep one column, or name them in a head"
         raise wrong_in(
             grid.path, line, InputError("", got=f"{len(heads)} columns of values: {known}", expected="one", do=do)

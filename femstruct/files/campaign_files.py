@@ -13,7 +13,7 @@ import numpy as np
 
 from femstruct.errors import FemstructError, InputError
 from femstruct.files.campaign_tables import design_table
-from femstruct.files.datasets import axis, group, put, put_text, refuse_broken_seal, remembered, write_sealed
+from femstruct.files.datasets import axis, group, put, put_text, refuse_broken_seal, remember_arrays, write_sealed
 from femstruct.files.sheets import Cell, Sheet
 from femstruct.files.stored_values import NOUNS, read_whole, write_whole
 from femstruct.files.writing import replacing
@@ -119,12 +119,12 @@ def write_rows(file: h5py.File, rows: Swept) -> None:
     put(file, "varied", rows.values, "see varied_unit", "What varied, in SI units", ("sample", "parameter"))
     _put_texts(file, "varied_text", rows.texts, "What varied, as a file writes it", ("sample", "parameter"))
     _put_texts(file, "varied_unit", rows.units, "Unit of what varied", ("parameter",))
-    for name, codes, told in (
+    for name, codes, description in (
         ("findings", rows.findings, "Codes of findings"),
         ("severe", rows.severe, "Codes of findings that forbid trust"),
     ):
         joined = [[_BETWEEN.join(one) for one in case] for case in codes]
-        _put_texts(file, name, joined, told, ("case", "sample"))
+        _put_texts(file, name, joined, description, ("case", "sample"))
     put(file, "done", rows.done, "1", "Whether the sample was run", ("sample",))
     _put_texts(file, "trouble", rows.trouble, "Why a sample has no numbers", ("sample",))
     inputs = group(file, "input", "The files of the study, verbatim")
@@ -134,13 +134,13 @@ def write_rows(file: h5py.File, rows: Swept) -> None:
 
 
 def _put_texts(
-    file: h5py.File, name: str, texts: Sequence[str] | Sequence[Sequence[str]], told: str, axes: Sequence[str]
+    file: h5py.File, name: str, texts: Sequence[str] | Sequence[Sequence[str]], description: str, axes: Sequence[str]
 ) -> None:
     import h5py
 
     shape = tuple(file[one].shape[0] for one in axes)
     made = file.create_dataset(name, data=np.array(texts, dtype=object).reshape(shape), dtype=h5py.string_dtype())
-    made.attrs.update(unit="1", description=told, long_name=told)
+    made.attrs.update(unit="1", description=description, long_name=description)
     for dimension, one in enumerate(axes):
         made.dims[dimension].attach_scale(file[one])
 
@@ -154,7 +154,7 @@ def _read(file: h5py.File) -> Swept:
         return tuple(tuple(tuple(one.split()) for one in case) for case in texts(name))
 
     names = texts("number")
-    main = [name for name, asked in zip(names, file["main"][()], strict=True) if asked]
+    main = [name for name, is_main in zip(names, file["main"][()], strict=True) if is_main]
     return Swept(
         title=str(file.attrs["title"]),
         paths=tuple(texts("parameter")),
@@ -189,8 +189,8 @@ def write_table(path: str | Path, rows: Swept, names: Sequence[str] = ()) -> Non
     columns = [rows.of(name, case) for case in rows.cases for name in names]
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        units = [headed(path, unit) for path, unit in zip(rows.paths, rows.units, strict=True)]
-        numbers = [headed(name, rows.unit_of(name)) for name in names]
+        units = [column_head(path, unit) for path, unit in zip(rows.paths, rows.units, strict=True)]
+        numbers = [column_head(name, rows.unit_of(name)) for name in names]
         writer.writerow(["sample", "case", *units, *numbers, "severe findings", "trouble"])
         for i, texts in enumerate(rows.texts):
             varied = [_cell(value) or text for value, text in zip(rows.values[i], texts, strict=True)]
@@ -204,7 +204,7 @@ def why_not(rows: Swept, i: int) -> str:
     return rows.trouble[i] or ("" if rows.done[i] else "not run")
 
 
-def headed(name: str, unit: str) -> str:
+def column_head(name: str, unit: str) -> str:
     """The head of a column: a name with its unit."""
     return f"{name} [{unit}]" if unit else name
 
@@ -285,7 +285,7 @@ def write_found(path: str | Path, found: Found | Front) -> None:
     """
 
     def write(file: h5py.File) -> None:
-        with remembered() as written:
+        with remember_arrays() as written:
             write_rows(file, found.rows)
             if isinstance(found, Front):
                 _write_front(file, found)
@@ -325,20 +325,20 @@ def write_front_table(path: str | Path, found: Front) -> None:
     """A row for every design of the front as comma-separated values: its number, what it stands out by, what was
     chosen, goals, limited numbers, paths at ends of their ranges, findings, and the command that runs it."""
     search = found.search
-    chosen = [headed(one.path, one.unit) for one in search.designs]
-    goals = [headed(one.name, unit) for one, unit in zip(search.goals, found.units, strict=True)]
-    limited = [headed(name, found.rows.unit_of(name)) for name in search.limits]
+    chosen = [column_head(one.path, one.unit) for one in search.designs]
+    goals = [column_head(one.name, unit) for one, unit in zip(search.goals, found.units, strict=True)]
+    limited = [column_head(name, found.rows.unit_of(name)) for name in search.limits]
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         ended = "paths at an end of their range"
         writer.writerow(["design", "sample", "stands out", *chosen, *goals, *limited, ended, "findings", "command"])
         for k in found.members:
-            told = design_table(found, k)
-            own = [one["text"] if one["value"] is None else repr(one["value"]) for one in told["chosen"]]
+            design = design_table(found, k)
+            own = [one["text"] if one["value"] is None else repr(one["value"]) for one in design["chosen"]]
             values = [repr(float(one)) if isfinite(one) else "" for one in (*found.goals[k], *found.limited[k])]
-            ends = [f"{one['path']} {one['at']}" for one in told["chosen"] if one["at"]]
-            notes, codes = "; ".join(told["notes"]), " ".join(told["findings"])
-            writer.writerow([k, told["sample"], notes, *own, *values, "; ".join(ends), codes, told["run_it"]])
+            ends = [f"{one['path']} {one['at']}" for one in design["chosen"] if one["at"]]
+            notes, codes = "; ".join(design["notes"]), " ".join(design["findings"])
+            writer.writerow([k, design["sample"], notes, *own, *values, "; ".join(ends), codes, design["run_it"]])
 
 
 def _write_front(file: h5py.File, found: Front) -> None:
@@ -374,8 +374,8 @@ def campaign_sheets(answer: Swept | Found | Front) -> tuple[Sheet, ...]:
 
 def _samples(rows: Swept, first: Sequence[str]) -> Sheet:
     names = list(dict.fromkeys((*first, *rows.names)))
-    varied = [headed(path, unit) for path, unit in zip(rows.paths, rows.units, strict=True)]
-    numbers = [headed(name, rows.unit_of(name)) for name in names]
+    varied = [column_head(path, unit) for path, unit in zip(rows.paths, rows.units, strict=True)]
+    numbers = [column_head(name, rows.unit_of(name)) for name in names]
     columns = ("sample", "case", *varied, *numbers, "severe findings", "trouble")
     return Sheet(SAMPLES, columns, list(_rows(rows, names)))
 
@@ -394,17 +394,17 @@ def _rows(rows: Swept, names: Sequence[str]) -> Iterator[tuple[Cell, ...]]:
 def _front(found: Front) -> Sheet:
     """A row for every design of the front."""
     search = found.search
-    heads = [headed(one.path, one.unit) for one in search.designs]
-    heads += [headed(one.name, unit) for one, unit in zip(search.goals, found.units, strict=True)]
-    heads += [headed(name, found.rows.unit_of(name)) for name in search.limits]
+    heads = [column_head(one.path, one.unit) for one in search.designs]
+    heads += [column_head(one.name, unit) for one, unit in zip(search.goals, found.units, strict=True)]
+    heads += [column_head(name, found.rows.unit_of(name)) for name in search.limits]
     made: list[tuple[Cell, ...]] = []
     for k in found.members:
-        told = design_table(found, k)
-        chosen = [one["text"] if one["value"] is None else one["value"] for one in told["chosen"]]
+        design = design_table(found, k)
+        chosen = [one["text"] if one["value"] is None else one["value"] for one in design["chosen"]]
         values = [_number(one) for one in (*found.goals[k], *found.limited[k])]
-        ends = "; ".join(f"{one['path']} {one['at']}" for one in told["chosen"] if one["at"])
-        notes, codes = "; ".join(told["notes"]), " ".join(told["findings"])
-        made.append((k, told["sample"], notes, *chosen, *values, ends, codes, told["run_it"]))
+        ends = "; ".join(f"{one['path']} {one['at']}" for one in design["chosen"] if one["at"])
+        notes, codes = "; ".join(design["notes"]), " ".join(design["findings"])
+        made.append((k, design["sample"], notes, *chosen, *values, ends, codes, design["run_it"]))
     columns = ("design", "sample", "stands out", *heads, "paths at an end of their range", "findings", "command")
     return Sheet("front", columns, made)
 

@@ -60,9 +60,9 @@ def spreads(rows: Swept, names: Sequence[str]) -> list[Spread]:
         return []
     others = [case for case in rows.cases if case != rows.baseline]
     changed = [name for name in names if name not in unchanged(rows, names)]
-    asked = [(name, case, "") for name in changed for case in rows.cases]
-    asked += [(name, case, rows.baseline) for name in changed for case in others]
-    return [one for one in (spread(rows, *each) for each in asked) if one is not None]
+    requested = [(name, case, "") for name in changed for case in rows.cases]
+    requested += [(name, case, rows.baseline) for name in changed for case in others]
+    return [one for one in (spread(rows, *each) for each in requested) if one is not None]
 
 
 def unchanged(rows: Swept, names: Sequence[str]) -> list[str]:

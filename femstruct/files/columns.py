@@ -8,7 +8,7 @@ from typing import Final, TypeVar
 
 import numpy as np
 
-from femstruct.errors import FemstructError, InputError, InputErrors, sentence, shown_as
+from femstruct.errors import FemstructError, InputError, InputErrors, quote_value, sentence
 from femstruct.files.text_tables import Scale, TextRow, TextTable, head_of, read_grid, scale_of, wrong_in
 from femstruct.impact.scene import Table
 
@@ -80,10 +80,10 @@ def read_columns(path: Path, dimensions: Sequence[str], sources: dict[str, str],
     for row in grid.rows:
         numbers = _numbers(grid, row)
         if numbers is None and lines and len(row.cells) == count:
-            raise grid.wrong(row, shown_as(", ".join(row.cells)), f"{_COUNTS[count]} numbers")
+            raise grid.wrong(row, quote_value(", ".join(row.cells)), f"{_COUNTS[count]} numbers")
         if numbers is None and not lines:
             if len(row.cells) == count and grid.number(row, row.cells[0]) is not None:  # a line of data, no head
-                raise grid.wrong(row, shown_as(", ".join(row.cells)), f"{_COUNTS[count]} numbers")
+                raise grid.wrong(row, quote_value(", ".join(row.cells)), f"{_COUNTS[count]} numbers")
             head.append(row)
             continue
         scales = scales or _scales(grid, head, dimensions)
@@ -106,7 +106,7 @@ def _numbers(grid: TextTable, row: TextRow) -> list[float] | None:
     found = [grid.number(row, cell) for cell in row.cells]
     numbers = [one for one in found if one is not None]
     if any(cell.lower().lstrip("+-") in _ENDLESS for cell in row.cells):
-        raise grid.wrong(row, shown_as(", ".join(row.cells)), "finite numbers")
+        raise grid.wrong(row, quote_value(", ".join(row.cells)), "finite numbers")
     return numbers if len(numbers) == len(found) else None
 
 

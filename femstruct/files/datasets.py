@@ -19,7 +19,7 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import InputError
 from femstruct.files.writing import replacing
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.model import Model, Refined, refined
+from femstruct.model.model import Model, Refined, refine_model
 from femstruct.model.regions import node_rows
 
 if TYPE_CHECKING:
@@ -110,10 +110,10 @@ _WRITTEN: Final[ContextVar[dict[str, NDArray[Any]] | None]] = ContextVar("_WRITT
 
 
 @contextmanager
-def remembered() -> Iterator[Mapping[str, NDArray[Any]]]:
+def remember_arrays() -> Iterator[Mapping[str, NDArray[Any]]]:
     """The large arrays that are put to a file meanwhile, by the names of their datasets: nobody need read them again.
 
-    >>> with remembered() as written:
+    >>> with remember_arrays() as written:
     ...     dict(written)
     {}
     """
@@ -244,7 +244,7 @@ def write_vtkhdf(file: h5py.File, basis: ModalBasis, model: Model | None, *, cou
 
     References: VTK File Formats, "VTKHDF File Format", version 2.2, UnstructuredGrid.
     """
-    shown = bare(basis) if model is None else refined(model, DIVISIONS)
+    shown = nodes_alone(basis) if model is None else refine_model(model, DIVISIONS)
     target = file.create_group("VTKHDF")
     target.attrs["Version"] = np.array(VERSION, dtype=np.int64)
     kind = b"UnstructuredGrid"
@@ -266,7 +266,7 @@ def write_vtkhdf(file: h5py.File, basis: ModalBasis, model: Model | None, *, cou
     put(fields, "damping_ratio", basis.damping_ratio[: len(modes)], "1", "Damping ratios of the shown modes", ())
 
 
-def bare(basis: ModalBasis) -> Refined:
+def nodes_alone(basis: ModalBasis) -> Refined:
     """The nodes alone, for a basis in closed form, which has no elements."""
     count = len(basis.points)
     translations = np.tile(np.eye(3, N_COMPONENTS), (count, 1))

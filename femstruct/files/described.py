@@ -25,34 +25,34 @@ class DescribedEntry(NamedTuple):
     """One of the things that a noun reports."""
 
     name: str
-    told: Reported
+    report: Reported
     value: Any
 
     @property
     def key(self) -> str:
         """Its name in JSON."""
-        return self.told.key or self.name
+        return self.report.key or self.name
 
 
 def entries(noun: Any) -> Iterator[DescribedEntry]:
     """All that a noun reports, in the order of its fields and properties."""
     kind: object = type(noun)
-    for name, told in reported(kind).items():
-        unit = getattr(noun, "unit", told.unit) if told.unit == OWN_UNIT else told.unit
-        yield DescribedEntry(name, told._replace(unit=unit), getattr(noun, name))
+    for name, entry in reported(kind).items():
+        unit = getattr(noun, "unit", entry.unit) if entry.unit == OWN_UNIT else entry.unit
+        yield DescribedEntry(name, entry._replace(unit=unit), getattr(noun, name))
 
 
-def described(noun: Any) -> dict[str, Any]:
+def describe(noun: Any) -> dict[str, Any]:
     """What a noun reports as a table for JSON, with the nouns that it holds; histories and spectra are left to the
     results file.
 
     >>> from femstruct.impact.numerical_error import Resolved
-    >>> described(Resolved(2.0, 0.5, 10.0))
+    >>> describe(Resolved(2.0, 0.5, 10.0))
     {'value': 2.0, 'error': 0.5, 'scale': 10.0, 'relative': 0.05}
     """
     table: dict[str, Any] = {}
     for one in entries(noun):
-        if isinstance(one.value, Mapping) and one.told.axis is None:
+        if isinstance(one.value, Mapping) and one.report.axis is None:
             table |= _plain(one.value)  # what is reported has names of its own
         elif not isinstance(one.value, np.ndarray):
             table[one.key] = _plain(one.value)
@@ -61,13 +61,13 @@ def described(noun: Any) -> dict[str, Any]:
 
 def _held(value: Any) -> dict[str, Any] | None:
     if isinstance(value, Mapping):
-        return {name: described(one) for name, one in value.items()}
-    return None if value is None else described(value)
+        return {name: describe(one) for name, one in value.items()}
+    return None if value is None else describe(value)
 
 
 def columns(nouns: Sequence[Any]) -> dict[str, list[Any]]:
     """The same of several nouns of one kind: a list for each number."""
-    rows = [described(noun) for noun in nouns]
+    rows = [describe(noun) for noun in nouns]
     return {key: [row[key] for row in rows] for key in (rows[0] if rows else {})}
 
 
@@ -86,20 +86,20 @@ def write_described(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HA
     by_hand : by the key of what it holds, what fills its group instead. Axes of arrays that are not in the group are
     numbered from 1.
     """
-    for name, told, value in entries(noun):
+    for name, entry, value in entries(noun):
         if isinstance(value, Mapping):
-            assert told.axis is not None, "a mapping in a group of its own has an axis"
-            if told.axis[0] not in target:
-                axis(target, told.axis[0], list(value), *told.axis[1:])
-            put(target, name, list(value.values()), told.unit, told.long_name, told.axis[:1])
+            assert entry.axis is not None, "a mapping in a group of its own has an axis"
+            if entry.axis[0] not in target:
+                axis(target, entry.axis[0], list(value), *entry.axis[1:])
+            put(target, name, list(value.values()), entry.unit, entry.long_name, entry.axis[:1])
         elif isinstance(value, np.ndarray):
-            if told.along == (name,):
-                axis(target, name, value, told.unit, told.long_name)
+            if entry.along == (name,):
+                axis(target, name, value, entry.unit, entry.long_name)
                 continue
-            for along, length in zip(told.along, value.shape, strict=True):
+            for along, length in zip(entry.along, value.shape, strict=True):
                 if along not in target:
                     axis(target, along, np.arange(1, length + 1), "1", "Number")
-            put(target, name, value, told.unit, told.long_name, told.along)
+            put(target, name, value, entry.unit, entry.long_name, entry.along)
         elif value is not None:
             target.attrs[name] = list(value) if isinstance(value, tuple) else value
     if (findings := getattr(noun, "findings", None)) is not None:
@@ -109,19 +109,19 @@ def write_described(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HA
 
 def write_held(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HAND) -> None:
     """The nouns that a noun holds, a group for each key that has any; by_hand : as of `write_described`."""
-    for key, told, value in holdings(noun):
+    for key, holding, value in holdings(noun):
         if not value:
             continue
-        place = group(target, key, told.long_name)
+        place = group(target, key, holding.long_name)
         if key in by_hand:
             by_hand[key](place, value)
         elif not isinstance(value, Mapping):
             write_described(place, value, by_hand)
-        elif told.rows is not None:
-            write_rows(place, list(value.values()), axis(place, told.rows[0], list(value), *told.rows[1:]))
+        elif holding.rows is not None:
+            write_rows(place, list(value.values()), axis(place, holding.rows[0], list(value), *holding.rows[1:]))
         else:
             for name, one in value.items():
-                write_described(group(place, name, told.each), one, by_hand)
+                write_described(group(place, name, holding.each), one, by_hand)
 
 
 def write_rows(target: h5py.Group, nouns: Sequence[Any], row: str) -> None:
@@ -130,16 +130,16 @@ def write_rows(target: h5py.Group, nouns: Sequence[Any], row: str) -> None:
     Axes of their histories are those of the same name in the group.
     """
     kind: object = type(nouns[0])
-    for name, told in reported(kind).items():
+    for name, entry in reported(kind).items():
         values = [getattr(noun, name) for noun in nouns]
         if isinstance(values[0], np.ndarray):
-            put(target, name, np.array(values), told.unit, told.long_name, (row, *told.along))
+            put(target, name, np.array(values), entry.unit, entry.long_name, (row, *entry.along))
         elif isinstance(values[0], Mapping):
             for part in dict.fromkeys(part for value in values for part in value):
                 column = [value.get(part) for value in values]
-                put(target, part, _column(column), told.unit, told.long_name, (row,))
+                put(target, part, _column(column), entry.unit, entry.long_name, (row,))
         else:
-            put(target, name, _column(values), told.unit, told.long_name, (row,))
+            put(target, name, _column(values), entry.unit, entry.long_name, (row,))
 
 
 def _column(values: list[Any]) -> list[Any]:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from femstruct.arrays import Floats
 from femstruct.conventions import DIRECTIONS
-from femstruct.errors import InputError, shown_as
+from femstruct.errors import InputError, quote_value
 from femstruct.files.text_tables import TextRow, TextTable, read_grid, wrong_in
 from femstruct.files.uff import write_uff
 from femstruct.files.writing import replacing
@@ -111,14 +111,14 @@ def read_frf_csv(path: Path) -> list[FrfColumns]:
     for at, cell in enumerate(head.cells[1:], 1):
         found = _HEAD.fullmatch(cell)
         if found is None or found["kind"] not in get_args(FrfKind):
-            raise grid.wrong(head, shown_as(cell), _HEADS)
+            raise grid.wrong(head, quote_value(cell), _HEADS)
         kind = next(one for one in get_args(FrfKind) if one == found["kind"])
         unit = frf_unit(kind, *(found[end].rpartition(".")[2] for end in ("drive", "response")))
         if found["unit"] != unit:
             raise grid.wrong(head, f"a {kind} in '{found['unit']}'", f"one in {unit}")
         parts = places.setdefault((found["drive"], found["response"], kind), {})
         if found["part"] in parts:
-            raise grid.wrong(head, f"two columns {shown_as(cell)}", "one of each name")
+            raise grid.wrong(head, f"two columns {quote_value(cell)}", "one of each name")
         parts[found["part"]] = at
     values = np.array([_numbers(grid, row, len(head.cells)) for row in rows])
     if not (np.diff(values[:, 0]) > 0.0).all():

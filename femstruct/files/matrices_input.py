@@ -19,7 +19,7 @@ from femstruct.arrays import Floats, Integers
 from femstruct.assembly.given_matrices import given_matrices, mapped_matrices
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
-from femstruct.errors import InputError, shown_as, some_of
+from femstruct.errors import InputError, list_some, quote_value
 from femstruct.files.op4 import read_op4
 from femstruct.files.text_tables import content, floats, lines_of, wrong_line
 from femstruct.model.component import Component
@@ -70,7 +70,7 @@ def read_dof_table(path: Path) -> DofTable:
         do = f"write 'file: {name}.json' without 'nodes': it names all files of the export"
         raise wrong_line(path, rows[0][0], "the table of an export of femstruct", _DOF_TABLE, do)
     if sorted(head) != sorted(_HEAD):
-        raise wrong_line(path, rows[0][0] if rows else 1, shown_as(", ".join(head)), _DOF_TABLE)
+        raise wrong_line(path, rows[0][0] if rows else 1, quote_value(", ".join(head)), _DOF_TABLE)
     short = next((number for number, words in rows[1:] if len(words) != len(head)), None)
     if short is not None or len(rows) < 2:
         raise wrong_line(path, short or 1, "a row of another length" if short else "no rows", _DOF_TABLE)
@@ -102,7 +102,7 @@ def _direction(path: Path, number: int, word: str) -> int:
         return DIRECTIONS.index(word.lower())
     if word in ("1", "2", "3", "4", "5", "6"):
         return int(word) - 1
-    raise wrong_line(path, number, f"the direction {shown_as(word)}", "x, y, z, rx, ry, rz or 1 to 6")
+    raise wrong_line(path, number, f"the direction {quote_value(word)}", "x, y, z, rx, ry, rz or 1 to 6")
 
 
 def refuse_size(path: Path, table: DofTable, count: int, what: str) -> None:
@@ -200,14 +200,14 @@ def foreign_assembly(files: Mapping[str, Path], table: Path | None, names: Mappi
     """
     one = files.get("")
     found = _of_one(one, names) if one is not None else {key: _market(path) for key, path in files.items()}
-    told = "the files" if one is None else f"'{one.name}'"
+    subject = "the files" if one is None else f"'{one.name}'"
     missing = [name for name in WANTED[:2] if name not in found]
     if missing:
-        raise InputError("", got=f"{told} without {' and '.join(missing)}", expected=EXPECTED)
+        raise InputError("", got=f"{subject} without {' and '.join(missing)}", expected=EXPECTED)
     count = found["M"].shape[0]
     if table is not None:
         if known := [name for name in _MAP if name in found]:
-            got = f"a table of nodes beside {told}, which has {', '.join(known)}"
+            got = f"a table of nodes beside {subject}, which has {', '.join(known)}"
             raise InputError("", got=got, expected="one of them", do="leave the table out")
         read = read_dof_table(table)
         refuse_size(table, read, count, "M")
@@ -216,7 +216,7 @@ def foreign_assembly(files: Mapping[str, Path], table: Path | None, names: Mappi
         if lacking:
             raise InputError(
                 "",
-                got=f"{told} without {', '.join(lacking)}",
+                got=f"{subject} without {', '.join(lacking)}",
                 expected="a node and a component of each degree of freedom, and the points",
                 do="or a table of them: nodes: TABLE.csv with the columns node, x, y, z, direction",
             )
@@ -257,7 +257,7 @@ def _chosen(path: Path, found: Mapping[str, csc_array], names: Mapping[str, str]
         if key in names:
             if names[key].upper() not in found:
                 got = f"'{names[key]}', no matrix of {path.name}"
-                raise InputError("", got=got, expected=some_of(found))
+                raise InputError("", got=got, expected=list_some(found))
             chosen[key] = found[names[key].upper()]
             continue
         usual = [name for name in USUAL[key] if name in found]
@@ -267,7 +267,7 @@ def _chosen(path: Path, found: Mapping[str, csc_array], names: Mapping[str, str]
         if usual:
             chosen[key] = found[usual[0]]
         elif key != "C":
-            got = f"{some_of(found)} in '{path.name}'"
+            got = f"{list_some(found)} in '{path.name}'"
             raise InputError("", got=got, expected=f"which of them is {key}", do=f"write names: {{{key}: NAME}}")
     return chosen
 
@@ -361,8 +361,8 @@ def read_matrices(
     try:
         read = _npz(data) if data[:2] == b"PK" else _mtx(path, data)
     except (KeyError, TypeError, ValueError, BadZipFile, EOFError, StopIteration) as error:
-        told = f"without {error}" if isinstance(error, KeyError) else f"which cannot be read ({error})"
-        raise InputError(str(path), got=f"'{path.name}', {told}", expected=_WHAT) from None
+        reason = f"without {error}" if isinstance(error, KeyError) else f"which cannot be read ({error})"
+        raise InputError(str(path), got=f"'{path.name}', {reason}", expected=_WHAT) from None
     matrices, points, labels, momentum, total_mass = read
     dofs = DofMap(csr_array(matrices["T"]), tuple(labels))
     return mapped_matrices(matrices["M"], matrices["K"], dofs, points, momentum, total_mass, matrices["C"])

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.errors import InputError, shown_as
+from femstruct.errors import InputError, quote_value
 from femstruct.files.text_tables import Head, TextRow, TextTable, factor_of, head_of, read_grid, wrong_in
 
 NUMBER, FREQUENCY, SCATTER = "mode", "frequency", "scatter"
@@ -76,7 +76,7 @@ def _columns(grid: TextTable, head: TextRow) -> dict[str, tuple[int, Head]]:
         same = [cell for cell, name in zip(head.cells, named, strict=True) if name == twice]
         raise grid.wrong(head, f"columns {', '.join(same)}, all of them a {twice}", "one of each", "rename the others")
     if FREQUENCY not in found:
-        raise grid.wrong(head, shown_as(", ".join(head.cells)), _EXPECTED)
+        raise grid.wrong(head, quote_value(", ".join(head.cells)), _EXPECTED)
     return found
 
 
@@ -91,7 +91,7 @@ def _hertz(grid: TextTable, row: TextRow, head: Head) -> float:
 def _value(grid: TextTable, row: TextRow, at: int) -> float:
     value = grid.number(row, row.cells[at]) if at < len(row.cells) else None
     if value is None:
-        raise grid.wrong(row, shown_as(row.cells[at]) if at < len(row.cells) else "no value", "a number")
+        raise grid.wrong(row, quote_value(row.cells[at]) if at < len(row.cells) else "no value", "a number")
     return value
 
 

@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from femstruct.files.datasets import DIVISIONS, bare, mode_name
+from femstruct.files.datasets import DIVISIONS, mode_name, nodes_alone
 from femstruct.files.writing import replacing
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.model import Model, refined
+from femstruct.model.model import Model, refine_model
 from femstruct.study.asked import RoomPlan
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -28,7 +28,7 @@ def write_vtu(basis: ModalBasis, model: Model | None, path: str | Path, count: i
     """
     import meshio  # type: ignore[import-untyped]
 
-    shown = bare(basis) if model is None else refined(model, DIVISIONS)
+    shown = nodes_alone(basis) if model is None else refine_model(model, DIVISIONS)
     modes = range(min(count, basis.modes.stop))
     moved = shown.displacement(basis.shapes[:, :, : len(modes)])
     lone = np.setdiff1d(np.arange(len(shown.points)), np.concatenate([shown.quads.ravel(), shown.lines.ravel()]))

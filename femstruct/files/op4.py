@@ -165,8 +165,8 @@ class _Text:
             columns, rows = self._whole(line, size, 2)
             _, kind = self._whole(line[2 * size :], 8, 2)
             name = line[2 * size + 16 : 2 * size + 24].strip().upper()
-            said = _FORMAT.match(line[2 * size + 24 :])
-            each = (int(said[1]), int(said[2])) if said else _TEXT_DEFAULT
+            layout = _FORMAT.match(line[2 * size + 24 :])
+            each = (int(layout[1]), int(layout[2])) if layout else _TEXT_DEFAULT
             head = _Head(name, rows, columns, kind)
             if min(each) < 1:
                 raise self._wrong("a format without numbers")

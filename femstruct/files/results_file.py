@@ -18,7 +18,7 @@ from femstruct.files.datasets import (
     put,
     put_text,
     refuse_broken_seal,
-    remembered,
+    remember_arrays,
     write_sealed,
     write_vtkhdf,
 )
@@ -145,7 +145,7 @@ def write_results(path: str | Path, result: StudyResult) -> None:
 
 
 def _write(file: h5py.File, result: StudyResult) -> None:
-    with remembered() as written:
+    with remember_arrays() as written:
         _write_tables(file, result)
         write_whole(file, without_unread(result), written)
 
@@ -167,8 +167,8 @@ def _write_tables(file: h5py.File, result: StudyResult) -> None:
     put_text(file, "summary", json.dumps(summary(result), allow_nan=False), "Numbers of all cases, as --json (JSON)")
     bases = group(file, "bases", "Modal bases by key")
     for name, basis in result.bases.items():
-        told = _findings(basis.findings)
-        write_basis(group(bases, name, "A modal basis", total_mass_kg=basis.total_mass, findings=told), basis)
+        findings = _findings(basis.findings)
+        write_basis(group(bases, name, "A modal basis", total_mass_kg=basis.total_mass, findings=findings), basis)
     cases = group(file, "cases", "Cases by name")
     for name, case in result.cases.items():
         _write_case(cases, name, case, result.verdicts.get(name, ()))
@@ -255,8 +255,8 @@ def _write_response(target: h5py.Group, case: CaseResult, response: Response) ->
     damped = damped_forces(case.channels, case.basis.outputs)
     for channel in case.channels.values():
         peaks = {"peak_first_impact": channel.first_impact, "peak_whole": channel.whole}
-        told = f"{channel.name}, recorded{f', {DAMPED_FORCE}' if channel.name in damped else ''}"
-        put(channels, channel.name, channel.values, channel.unit, told, (time,), peaks)
+        description = f"{channel.name}, recorded{f', {DAMPED_FORCE}' if channel.name in damped else ''}"
+        put(channels, channel.name, channel.values, channel.unit, description, (time,), peaks)
     if response.contacts:
         contacts, histories = _table(target, "contacts", "Contacts", response.contacts), response.contacts.values()
         write_rows(contacts, list(histories), "contact")

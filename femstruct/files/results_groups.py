@@ -190,13 +190,13 @@ def write_rated(target: h5py.Group, rated: RatedRoom) -> None:
         symbol = axis(target, "symbol", list(rated.numbers), "1", "Single number, the first the one to state")
         write_rows(target, list(rated.numbers.values()), symbol)
         for name, spreads in (("drops", rated.drops_spread_db), ("receivers", rated.receivers_spread_db)):
-            told = f"Standard deviation of the number over {name}; nan for one"
-            put(target, f"{name}_spread_db", list(spreads.values()), "dB", told, (symbol,))
+            description = f"Standard deviation of the number over {name}; nan for one"
+            put(target, f"{name}_spread_db", list(spreads.values()), "dB", description, (symbol,))
         blank = Interval(np.nan, np.nan, np.nan)
         own = np.array([rated.number_intervals.get(one, blank) for one in rated.numbers])
         for column, word in enumerate(("mean", "lower end of the 90 % interval", "upper end of it")):
-            name, told = f"number_{('mean', 'low', 'high')[column]}_db", f"Number over rooms and places: {word}"
-            put(target, name, own[:, column], "dB", told, (symbol,))
+            name, description = f"number_{('mean', 'low', 'high')[column]}_db", f"Number over rooms and places: {word}"
+            put(target, name, own[:, column], "dB", description, (symbol,))
     axis(target, "band_hz", list(rated.bands_hz), "Hz", f"Nominal centre of the {rated.method.bands}")
     axis(target, "drop", np.arange(1, rated.drops + 1), "1", "Place of the source, in the order of the study")
     axis(target, "receiver", np.arange(1, rated.receivers + 1), "1", "Receiver, in the order of the room")

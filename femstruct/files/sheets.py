@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from femstruct.errors import InputError
-from femstruct.files.described import described
+from femstruct.files.described import describe
 from femstruct.files.study_tables import Table, summary
 from femstruct.files.writing import replacing, short
 from femstruct.reported import holdings
@@ -28,7 +28,7 @@ HEAD: Final = (
 ALONG: Final = {"history": "s", "modes": "", "frf": "Hz", "levels": "Hz"}
 
 
-def write_beside(beside: Sequence[Beside], path: str | Path) -> Path:
+def write_comparison(beside: Sequence[Beside], path: str | Path) -> Path:
     """Write a line for every measured number; imaginary parts are empty of what is real."""
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8-sig", newline="") as file:
         writer = csv.writer(file)
@@ -140,17 +140,17 @@ def _held_rows(noun: Any, keys: tuple[str, ...], within: tuple[str, ...] = ()) -
         named = {(*keys, one): value[one] for one in value} if isinstance(value, Mapping) else {keys: value}
         for own, one in named.items():
             if one is not None:
-                yield titles, own, described(one)
+                yield titles, own, describe(one)
                 yield from _held_rows(one, own, titles)
 
 
-def _by_band(cases: Mapping[str, Table], name: str, table: str, *wanted: str) -> Sheet:
+def _by_band(cases: Mapping[str, Table], name: str, table: str, *quantities: str) -> Sheet:
     """A row for every band of any case, columns for every case and place."""
     named = _named(cases, table)
     columns = {
         f"{case}: {place} {what}{_symbol(table, what, one)}": one[what]
         for (case, place), one in named
-        for what in wanted
+        for what in quantities
     }
     bands = sorted({band for values in columns.values() for band in values}, key=float)
     rows: list[tuple[Cell, ...]] = [(float(band), *(values.get(band) for values in columns.values())) for band in bands]

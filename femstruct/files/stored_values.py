@@ -107,8 +107,8 @@ def kind_of(tag: str) -> Any:
         import_module(MODULES[tag])
         found = _known(tag)
     if found is None:
-        who = f"the version of {owner or 'femstruct'} that wrote it"
-        raise FemstructError("results", got=f"'{tag}'", expected="a noun that this version knows", do=f"use {who}")
+        writer = f"the version of {owner or 'femstruct'} that wrote it"
+        raise FemstructError("results", got=f"'{tag}'", expected="a noun that this version knows", do=f"use {writer}")
     return found
 
 
@@ -116,7 +116,7 @@ def _known(tag: str) -> Any:
     return tags.KINDS.get(tag) or of_acoustics.KINDS.get(tag)
 
 
-def is_noun(kind: Any) -> bool:
+def is_stored_class(kind: Any) -> bool:
     """Whether it is a class of nouns: nothing else is made of what a file says."""
     return isinstance(kind, type) and (is_dataclass(kind) or hasattr(kind, "_fields") or issubclass(kind, Enum))
 
@@ -301,7 +301,7 @@ class Stored(NamedTuple):
     value: Any
 
 
-def stored(value: object, keep: Keep) -> Stored:
+def store_value(value: object, keep: Keep) -> Stored:
     """A value made of dataclasses, named tuples, mappings, sequences, numbers, texts and arrays, ready for JSON.
 
     keep : is given each array of more than a few numbers.
@@ -310,13 +310,13 @@ def stored(value: object, keep: Keep) -> Stored:
     is not of this project only the name is kept, as of a contact law of somebody's own.
 
     >>> from femstruct.errors import Finding
-    >>> tables = stored([Finding("mechanism", "It moves.", {"share": float("nan")})], keep=lambda array: None)
-    >>> restored(tables, fetch=lambda place: None)
+    >>> tables = store_value([Finding("mechanism", "It moves.", {"share": float("nan")})], keep=lambda array: None)
+    >>> restore_value(tables, fetch=lambda place: None)
     [Finding(code='mechanism', message='It moves.', values={'share': nan}, severe=False)]
     """
     tables = _Tables(keep)
-    told = tables.table(value)
-    return Stored(tables.nouns, told)
+    content = tables.table(value)
+    return Stored(tables.nouns, content)
 
 
 class _Tables:
@@ -374,24 +374,24 @@ class _Tables:
         return self._known[id(one)]
 
 
-def restored(tables: Stored, fetch: Fetch) -> Any:
+def restore_value(tables: Stored, fetch: Fetch) -> Any:
     """The value that was stored; arrays are read-only.
 
     Raises FemstructError for a class that is neither of this project nor of a package that adds to it.
     """
     nouns: list[Any] = []
 
-    def value(told: Any) -> Any:
-        if isinstance(told, list):
-            return tuple(value(item) for item in told)
-        if not isinstance(told, dict):
-            return told
-        ((kind, inside),) = told.items()
+    def value(content: Any) -> Any:
+        if isinstance(content, list):
+            return tuple(value(item) for item in content)
+        if not isinstance(content, dict):
+            return content
+        ((kind, inside),) = content.items()
         return _READ[kind](inside, value) if kind in _READ else nouns[inside] if kind == "noun" else fetch(inside)
 
-    for told in tables.nouns:
-        fields: Mapping[str, Any] = {name: value(item) for name, item in told.items() if name != _CLASS}
-        tag = tag_of_format_4(told[_CLASS]) or told[_CLASS]
+    for content in tables.nouns:
+        fields: Mapping[str, Any] = {name: value(item) for name, item in content.items() if name != _CLASS}
+        tag = tag_of_format_4(content[_CLASS]) or content[_CLASS]
         while tag in NEWER:
             tag, fields = NEWER[tag].tag, NEWER[tag].fields(fields)
         nouns.append(_made(tag, fields))
@@ -405,14 +405,14 @@ def _made(tag: str, fields: Mapping[str, Any]) -> Any:
     """
     kind = _class(tag)
     names, defaults = _fields(kind)
-    told = {name: make() for name, make in defaults if name not in fields}
-    told |= {name: item for name, item in fields.items() if name in names}
-    if lacking := names - set(told):
+    values = {name: make() for name, make in defaults if name not in fields}
+    values |= {name: item for name, item in fields.items() if name in names}
+    if lacking := names - set(values):
         raise FemstructError("results", got=f"a '{tag}' without {', '.join(sorted(lacking))}", expected="all fields")
     if hasattr(kind, "_fields"):
-        return kind(**told)
+        return kind(**values)
     made: object = object.__new__(kind)
-    for name, item in told.items():
+    for name, item in values.items():
         object.__setattr__(made, name, item)
     return made
 
@@ -443,20 +443,20 @@ def _class(tag: str) -> Any:
     'Finding'
     """
     found = kind_of(tag)
-    if not is_noun(found):
+    if not is_stored_class(found):
         raise FemstructError("results", got=f"'{tag}'", expected="a noun")
     return found
 
 
-def _small(told: Any, value: Callable[[Any], Any]) -> Array:
-    kind, shape, numbers = told
+def _small(content: Any, value: Callable[[Any], Any]) -> Array:
+    kind, shape, numbers = content
     made = np.array([value(number) for number in numbers], dtype=kind).reshape(shape)
     made.flags.writeable = False
     return made
 
 
-def _rows(told: Any, value: Callable[[Any], Any]) -> csr_array:
-    data, indices, starts, shape = (value(part) for part in told)
+def _rows(content: Any, value: Callable[[Any], Any]) -> csr_array:
+    data, indices, starts, shape = (value(part) for part in content)
     return csr_array((data, indices, starts), shape=shape)
 
 
@@ -478,8 +478,8 @@ def _function(name: str, value: Callable[[Any], Any]) -> Callable[..., Any]:
     return function
 
 
-def _member(told: Any, value: Callable[[Any], Any]) -> Enum:
-    kind, name = told
+def _member(content: Any, value: Callable[[Any], Any]) -> Enum:
+    kind, name = content
     member: Enum = _class(kind)[name]
     return member
 
@@ -519,7 +519,7 @@ def write_whole(file: h5py.File, result: object, written: Mapping[str, Array_of_
 
     written : the large arrays of its tables, by the names of their datasets.
     """
-    tables = json.dumps(stored(result, _shelf(file, written)), allow_nan=False)
+    tables = json.dumps(store_value(result, _shelf(file, written)), allow_nan=False)
     put_text(file, NOUNS, tables, "The results as nouns (JSON)")
 
 
@@ -534,7 +534,7 @@ def read_whole(file: h5py.File) -> Any:
             read[name].flags.writeable = False
         return read[name] if row is None else read[name][row]
 
-    return restored(Stored(*json.loads(file[NOUNS].asstr()[()])), fetch)
+    return restore_value(Stored(*json.loads(file[NOUNS].asstr()[()])), fetch)
 
 
 def _shelf(file: h5py.File, written: Mapping[str, Array_of_whole]) -> Callable[[Array_of_whole], Place]:

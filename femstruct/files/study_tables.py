@@ -11,7 +11,7 @@ from acoustics.levels.rated import Interval, RatedRoom
 from acoustics.open_air.power import Directivity
 from femstruct.arrays import Floats
 from femstruct.files.datasets import axis, group, put
-from femstruct.files.described import columns, described, write_described, write_rows
+from femstruct.files.described import columns, describe, write_described, write_rows
 from femstruct.files.tables import finding_table, label, number, study_findings_table, unquotable
 from femstruct.impact.numerical_error import ErrorEstimate, Resolved
 from femstruct.impact.response import Blow, EnergyBalance, Response
@@ -41,9 +41,9 @@ def error_table(found: ErrorEstimate) -> Table:
     """Numbers of the impact and how far the march may be from them, by contact or body; infinite errors are None."""
     return (
         {"from": "rounding" if found.exact else "a stricter run"}
-        | described(found)
+        | describe(found)
         | {
-            name: {of: described(one) | {"unit": unit} for of, one in getattr(found, field).items()}
+            name: {of: describe(one) | {"unit": unit} for of, one in getattr(found, field).items()}
             for name, field, _, unit, _ in KINDS
         }
     )
@@ -69,7 +69,7 @@ def write_errors(target: h5py.Group, found: ErrorEstimate) -> None:
 def verdict_tables(verdicts: Sequence[Verdict]) -> Table:
     """By name of the limit: value, limit, margin (negative where exceeded), the verdict, and of several drops the place
     of the worst."""
-    return {one.name: described(one) | {"at": one.at or None} for one in verdicts}
+    return {one.name: describe(one) | {"at": one.at or None} for one in verdicts}
 
 
 def write_verdicts(target: h5py.Group, verdicts: Sequence[Verdict]) -> None:
@@ -126,10 +126,10 @@ def _share(share: EnergyShare) -> Table:
 def radiated_table(radiated: Radiated) -> Table:
     """What a surface radiated into a half space; levels re 1 pJ, None in silence."""
     pattern = {"directivity": _pattern_table(radiated.pattern)}
-    return described(radiated.energy) | described(radiated) | pattern
+    return describe(radiated.energy) | describe(radiated) | pattern
 
 
-def radiated_beside(case: CaseResult, baseline: CaseResult | None) -> Table:
+def radiated_difference(case: CaseResult, baseline: CaseResult | None) -> Table:
     """By half space, what the level of the sound energy is above the baseline's [dB]; None in silence."""
     before = {} if baseline is None else baseline.radiated
     return {
@@ -223,7 +223,7 @@ def summary(result: StudyResult) -> Table:
         | {
             "rated_db": _rated_beside(result.cases[name], baseline, RatedRoom.above),
             "rated_spread_db": _rated_beside(result.cases[name], baseline, RatedRoom.above_spread_db),
-            "sound_energy_db": radiated_beside(result.cases[name], baseline),
+            "sound_energy_db": radiated_difference(result.cases[name], baseline),
         }
         for name, beside in result.comparison.cases.items()
     }
@@ -241,7 +241,7 @@ def summary(result: StudyResult) -> Table:
 def case_table(case: CaseResult) -> Table:
     """The numbers of one case by itself, as `summary` has them."""
     response, unsure = case.response, unquotable(case)
-    return described(case) | {
+    return describe(case) | {
         "outcome": None if response is None else response.outcome.value,
         "basis": case.basis_key,
         "peaks": {
@@ -253,12 +253,12 @@ def case_table(case: CaseResult) -> Table:
             }
             for name, channel in case.channels.items()
         },
-        "contacts": {} if response is None else {name: described(one) for name, one in response.contacts.items()},
-        "bodies": {} if response is None else {name: described(one) for name, one in response.bodies.items()},
+        "contacts": {} if response is None else {name: describe(one) for name, one in response.contacts.items()},
+        "bodies": {} if response is None else {name: describe(one) for name, one in response.bodies.items()},
         "blows": {} if response is None else _blows(response),
         "arrays": {} if response is None else array_tables(response),
         "energy": None if response is None else _energy(response, case.shares),
-        "stresses": {name: described(one.stressed) for name, one in case.channels.items() if one.stressed is not None},
+        "stresses": {name: describe(one.stressed) for name, one in case.channels.items() if one.stressed is not None},
         "sound_energy": {name: radiated_table(radiated) for name, radiated in case.radiated.items()},
         "by_surface": {name: shares_table(shares) for name, shares in case.by_surface.items()},
         "rated": {name: _rated(rated) for name, rated in case.rated.items()},
@@ -347,8 +347,8 @@ def _comparison(case: CaseResult, beside: CaseComparison) -> Table:
 
 def _first(case: CaseResult, modes: Mapping[str, Table]) -> Table:
     """Attenuations of the first receiver's pressure, or of the first channel where there is no room."""
-    heard = (f"{room}.{receiver} pressure" for room in case.rooms for receiver in _receivers(case, room))
-    return next((modes[name] for name in heard if name in modes), next(iter(modes.values()), {}))
+    channels = (f"{room}.{receiver} pressure" for room in case.rooms for receiver in _receivers(case, room))
+    return next((modes[name] for name in channels if name in modes), next(iter(modes.values()), {}))
 
 
 def _receivers(case: CaseResult, room: str) -> tuple[str, ...]:
@@ -363,16 +363,16 @@ def _rated(rated: RatedRoom) -> Table:
     """A room as the standards state it: its single numbers by symbol, the first the one to state, and its bands."""
     spreads = {"drops_spread_db": rated.drops_spread_db, "receivers_spread_db": rated.receivers_spread_db}
     numbers = {
-        symbol: described(one)
+        symbol: describe(one)
         | {name: number(spread[symbol]) for name, spread in spreads.items()}
         | _interval(rated.number_intervals.get(symbol))
         for symbol, one in rated.numbers.items()
     }
-    told = None if rated.statistical is None else described(rated.statistical)
-    beside = None if rated.agreement is None else described(rated.agreement)
-    statistical = {"statistical": told, "statistical_agreement": beside}
-    statistical["ensemble"] = None if rated.ensemble is None else described(rated.ensemble)
-    return described(rated.method) | described(rated) | statistical | {"numbers": numbers}
+    levels = None if rated.statistical is None else describe(rated.statistical)
+    beside = None if rated.agreement is None else describe(rated.agreement)
+    statistical = {"statistical": levels, "statistical_agreement": beside}
+    statistical["ensemble"] = None if rated.ensemble is None else describe(rated.ensemble)
+    return describe(rated.method) | describe(rated) | statistical | {"numbers": numbers}
 
 
 def _interval(one: Interval | None) -> Table:
@@ -382,12 +382,12 @@ def _interval(one: Interval | None) -> Table:
 
 
 def _rated_beside(
-    case: CaseResult, baseline: CaseResult | None, told: Callable[[RatedRoom, RatedRoom], Mapping[str, float]]
+    case: CaseResult, baseline: CaseResult | None, differences: Callable[[RatedRoom, RatedRoom], Mapping[str, float]]
 ) -> Table:
     """By room and symbol, what is told of its single numbers beside the baseline's [dB]."""
     before = {} if baseline is None else baseline.rated
     return {
-        room: {symbol: number(value) for symbol, value in told(rated, before[room]).items()}
+        room: {symbol: number(value) for symbol, value in differences(rated, before[room]).items()}
         for room, rated in case.rated.items()
         if room in before
     }

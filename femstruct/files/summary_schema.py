@@ -78,7 +78,7 @@ def _case(known: dict[str, Schema]) -> Schema:
     rows = {name: _list(one) for name, one in blows.items()} | {"energy_growth": NUMBER}
     tables = {
         "outcome": {"enum": [None, *(one.value for one in Outcome)]},
-        "basis": _told(TEXT, "Key of its modal basis"),
+        "basis": _with_description(TEXT, "Key of its modal basis"),
         "peaks": _by(_table(peak), "Largest magnitudes of recorded channels"),
         "contacts": _by(noun(ContactHistory), "Contacts by name"),
         "bodies": _by(noun(BodyHistory), "Bodies by name"),
@@ -113,13 +113,13 @@ def _balance() -> Schema:
     """Terms of an energy balance [J]; those of bodies go by their names."""
     lost = {"modes": NUMBER, "dashpots": NUMBER, "contacts": _by(NUMBER), "links": _by(NUMBER)}
     group = {"name": TEXT, "from_hz": NUMBER, "to_hz": NUMBER, "energy_j": NUMBER}
-    told = {
+    properties = {
         **dict.fromkeys(("t_s", "structure", "stored", "dissipated", "work", "blows"), NUMBER),
         "modes": _list(_table(group), "Groups of modes that `structure` is the sum of"),
         "held_by": _by(NUMBER, "The same by what holds it"),
         "lost": _table(lost),
     }
-    return _table(told) | {"additionalProperties": NUMBER}
+    return _table(properties) | {"additionalProperties": NUMBER}
 
 
 def _comparison() -> Schema:
@@ -133,7 +133,7 @@ def _comparison() -> Schema:
             "bands_db_by_receiver": by_name,
             "modes_db_by_channel": by_name,
             "notes": _list(TEXT),
-            "rated_db": _told(by_name, "Single numbers above the baseline's [dB], by room"),
+            "rated_db": _with_description(by_name, "Single numbers above the baseline's [dB], by room"),
             "rated_spread_db": by_name,
             "sound_energy_db": _by(NUMBER, "Level of the sound energy above the baseline's [dB]"),
         }
@@ -175,9 +175,12 @@ def _machine() -> Schema:
 
 
 def _finding(more: Mapping[str, Schema] | None = None) -> Schema:
-    told: dict[str, Schema] = {"code": _told(TEXT, "`femstruct explain CODE` says more"), "message": TEXT}
-    told |= {"values": _by(NUMBER), "severe": YES, "rank": {"enum": [one.value for one in Rank]}}
-    return _table({**told, **(more or {})})
+    properties: dict[str, Schema] = {
+        "code": _with_description(TEXT, "`femstruct explain CODE` says more"),
+        "message": TEXT,
+    }
+    properties |= {"values": _by(NUMBER), "severe": YES, "rank": {"enum": [one.value for one in Rank]}}
+    return _table({**properties, **(more or {})})
 
 
 def _table(properties: Mapping[str, Schema]) -> Schema:
@@ -192,27 +195,27 @@ def _table(properties: Mapping[str, Schema]) -> Schema:
 
 def _merged(first: Schema, *others: Mapping[str, Any]) -> Schema:
     """One table with the keys of several; the last may be bare properties."""
-    told = dict(first["properties"])
+    properties = dict(first["properties"])
     free = first["additionalProperties"]
     for one in others:
-        told |= one.get("properties", one)
+        properties |= one.get("properties", one)
         free = free or one.get("additionalProperties", False)
-    return _table(told) | {"additionalProperties": free}
+    return _table(properties) | {"additionalProperties": free}
 
 
 def _by(item: Schema, about: str = "") -> Schema:
-    return _told({"type": "object", "additionalProperties": item}, about)
+    return _with_description({"type": "object", "additionalProperties": item}, about)
 
 
 def _list(item: Schema, about: str = "") -> Schema:
-    return _told({"type": "array", "items": item}, about)
+    return _with_description({"type": "array", "items": item}, about)
 
 
 def _maybe(schema: Schema) -> Schema:
     return {"anyOf": [schema, {"type": "null"}]}
 
 
-def _told(schema: Schema, about: str) -> Schema:
+def _with_description(schema: Schema, about: str) -> Schema:
     return {**schema, "description": about} if about else schema
 
 
@@ -223,8 +226,8 @@ def _part(kind: Any, name: str, known: dict[str, Schema]) -> Schema:
 
 
 def _noun(kind: Any, known: dict[str, Schema], more: Mapping[str, Schema] | None = None) -> Schema:
-    """The table that `described` makes of a noun, from what its fields and properties declare; arrays are not in it."""
-    told: dict[str, Schema] = {}
+    """The table that `describe` makes of a noun, from what its fields and properties declare; arrays are not in it."""
+    properties: dict[str, Schema] = {}
     free: Schema | bool = False
     for name, one in reported(kind).items():
         hint = _hint(kind, name)
@@ -233,11 +236,11 @@ def _noun(kind: Any, known: dict[str, Schema], more: Mapping[str, Schema] | None
         if _is_mapping(hint) and one.axis is None:
             free = _value(get_args(hint)[1])  # what is reported has names of its own
             continue
-        told[one.key or name] = _told(_value(hint), _about(one))
+        properties[one.key or name] = _with_description(_value(hint), _about(one))
     for name, holding in held(kind).items():
         if not holding.kinds:
-            told[holding.key or name] = _told(_holding(_hint(kind, name), known), holding.long_name)
-    return _table({**told, **(more or {})}) | {"additionalProperties": free}
+            properties[holding.key or name] = _with_description(_holding(_hint(kind, name), known), holding.long_name)
+    return _table({**properties, **(more or {})}) | {"additionalProperties": free}
 
 
 def _holding(hint: Any, known: dict[str, Schema]) -> Schema:

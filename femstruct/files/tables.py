@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from acoustics.errors import Advice
 from femstruct.errors import Finding
-from femstruct.findings.catalogue import place_of, rank_of
+from femstruct.findings.catalogue import rank_of, rank_order
 from femstruct.model.library import LibraryEntry
 from femstruct.study.recorded import NET_FORCE
 
@@ -76,25 +76,25 @@ def finding_from(table: Mapping[str, Any]) -> Finding:
 def unquotable(case: CaseResult) -> dict[str, str]:
     """Recorded channels of a case whose peaks are not to be quoted, each with the code of the finding that says so."""
     found = [one for one in case.findings if one.code in OF_PEAKS]
-    told = {name: one.code for one in found for name in case.channels if one.message.startswith(f"{name}: ")}
+    codes = {name: one.code for one in found for name in case.channels if one.message.startswith(f"{name}: ")}
     study = case.case.study
     ends = {one.name: one.between for one in study.contacts}
     ends |= {f"{one.name} on {one.target}": (one.name, one.target) for one in study.bodies}
     net = {f"{NET_FORCE}{end}": "force-beyond-modes" for name in doubtful_forces(case) for end in ends.get(name, ())}
-    return told | {name: code for name, code in net.items() if name in case.channels}
+    return codes | {name: code for name, code in net.items() if name in case.channels}
 
 
 def doubtful_forces(case: CaseResult) -> tuple[str, ...]:
     """Contacts of a case whose peak forces are not to be quoted."""
-    told = [one.message for one in case.findings if one.code == "force-beyond-modes"]
+    messages = [one.message for one in case.findings if one.code == "force-beyond-modes"]
     contacts = () if case.response is None else case.response.contacts
-    return tuple(name for name in contacts if any(one.startswith(f"{name} force: ") for one in told))
+    return tuple(name for name in contacts if any(one.startswith(f"{name} force: ") for one in messages))
 
 
 def doubtful_answers(case: CaseResult, kind: str, name: str) -> tuple[str, ...]:
     """Numbers of an evaluation that are not to be quoted, as the finding that says so names them."""
-    told = [one for one in case.findings if one.code == OF_EVALUATIONS]
-    return tuple(number for one in told if one.message.startswith(f"{kind}.{name}: ") for number in one.values)
+    findings = [one for one in case.findings if one.code == OF_EVALUATIONS]
+    return tuple(number for one in findings if one.message.startswith(f"{kind}.{name}: ") for number in one.values)
 
 
 def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...]], ...]:
@@ -109,7 +109,7 @@ def findings_by_case(result: StudyResult) -> tuple[tuple[Finding, tuple[str, ...
         for key in own
     }
     found = (*((finding, ()) for finding in result.findings), *((own[key], cases) for key, cases in holds.items()))
-    return tuple(sorted(found, key=lambda one: place_of(one[0])))
+    return tuple(sorted(found, key=lambda one: rank_order(one[0])))
 
 
 def study_findings_table(result: StudyResult) -> list[dict[str, Any]]:

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.errors import InputError, InputErrors, sentence, shown_as
+from femstruct.errors import InputError, InputErrors, quote_value, sentence
 from femstruct.units import DIMENSIONS, QuantityError, quantity
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -48,7 +48,7 @@ def integers(path: Path, lines: Iterable[tuple[int, Sequence[str]]]) -> Integers
         try:
             found += map(int, words)
         except ValueError:
-            raise wrong_line(path, number, shown_as(", ".join(words)), "whole numbers") from None
+            raise wrong_line(path, number, quote_value(", ".join(words)), "whole numbers") from None
     return np.array(found, dtype=np.int64)
 
 
@@ -59,9 +59,9 @@ def floats(path: Path, lines: Iterable[tuple[int, Sequence[str]]]) -> Floats:
         try:
             some = [float(word.replace("D", "E").replace("d", "e")) for word in words]
         except ValueError:
-            raise wrong_line(path, number, shown_as(", ".join(words)), "numbers") from None
+            raise wrong_line(path, number, quote_value(", ".join(words)), "numbers") from None
         if not np.isfinite(some).all():
-            raise wrong_line(path, number, shown_as(", ".join(words)), "finite numbers")
+            raise wrong_line(path, number, quote_value(", ".join(words)), "finite numbers")
         found += some
     return np.array(found)
 
@@ -98,8 +98,8 @@ def content(path: Path, most: int, what: str) -> bytes:
     except FileNotFoundError:
         raise InputError(str(path), got=f"no file '{path}'", expected=what) from None
     except (OSError, ValueError) as error:
-        told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(str(path), got=f"'{path}', which cannot be read ({told})", expected=what) from None
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError(str(path), got=f"'{path}', which cannot be read ({reason})", expected=what) from None
     if len(data) > most:
         size = max(found.st_size, len(data))
         raise InputError(str(path), got=f"a file of {size} bytes", expected=f"at most {most}")
@@ -237,7 +237,7 @@ _GROUPED: Final = re.compile(
     re.ASCII,
 )
 _BLANKS: Final = re.compile(r"\s+")
-_LOOKED: Final = 200  # lines by which separators are told
+_LINES_READ: Final = 200  # lines by which separators are told
 
 
 class TextRow(NamedTuple):
@@ -259,11 +259,13 @@ class TextTable:
         """The number in a cell; None for words. Raises InputErrors for thousands separators, and for decimals of
         another kind than those of the table."""
         if _GROUPED.fullmatch(cell):
-            raise self.wrong(row, f"{shown_as(cell)}, a number with a thousands separator", "a number without", _LEAVE)
+            raise self.wrong(
+                row, f"{quote_value(cell)}, a number with a thousands separator", "a number without", _LEAVE
+            )
         if not _NUMBER.fullmatch(cell):
             return None
         if ("," in cell) != self.comma and ("," in cell or "." in cell):
-            got = f"{shown_as(cell)} in a table whose decimals have a {'comma' if self.comma else 'point'}"
+            got = f"{quote_value(cell)} in a table whose decimals have a {'comma' if self.comma else 'point'}"
             raise self.wrong(row, got, "decimals of one kind and no thousands separators", _LEAVE)
         return float(cell.replace(",", "."))
 
@@ -315,7 +317,7 @@ def grid_of(path: Path, text: str, single: bool = False) -> TextTable:
     TextRow(line=2, cells=['29,35'])
     """
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    separator = ";" if single and _is_one_column(lines) else _separator(lines[:_LOOKED])
+    separator = ";" if single and _is_one_column(lines) else _separator(lines[:_LINES_READ])
     try:
         if separator is None:
             found = [(number, _BLANKS.split(line.strip())) for number, line in enumerate(text.splitlines(), start=1)]
@@ -407,7 +409,7 @@ def scale_of(head: Head, dimension: str) -> Scale:
         factor, level = factor_of(head.unit, dimension)
     except InputError as error:
         raise InputError(
-            "", got=shown_as(head.cell) if error.got[:1] == "'" else error.got, expected=error.expected, do=error.do
+            "", got=quote_value(head.cell) if error.got[:1] == "'" else error.got, expected=error.expected, do=error.do
         ) from None
     return (lambda number: factor * 10.0 ** (number / _ROOT)) if level else (lambda number: factor * number)
 
@@ -429,7 +431,7 @@ def factor_of(unit: str, dimension: str) -> tuple[float, bool]:
     try:
         return quantity(_plain(unit), dimension), level is not None and dimension != "level"
     except QuantityError as error:
-        raise InputError("", got=shown_as(unit.removeprefix("1 ")), expected=error.expected, do=error.do) from None
+        raise InputError("", got=quote_value(unit.removeprefix("1 ")), expected=error.expected, do=error.do) from None
 
 
 def _plain(unit: str) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, GRAVITY
-from femstruct.errors import InputError, InputErrors, sentence, some_of
+from femstruct.errors import InputError, InputErrors, list_some, sentence
 from femstruct.files.text_tables import content
 from femstruct.files.writing import replacing
 from femstruct.modal.frf import FrfKind, frf_unit
@@ -124,7 +124,7 @@ def pyuff() -> Any:
     return package
 
 
-def data_sets(path: Path, wanted: Iterable[int]) -> Iterator[tuple[int, int, Set | None]]:
+def data_sets(path: Path, numbers: Iterable[int]) -> Iterator[tuple[int, int, Set | None]]:
     """(number, line, content) of the data sets of a file, in their order; content is None of those not wanted,
     and of a header that says things its own way: no number depends on it.
 
@@ -134,7 +134,7 @@ def data_sets(path: Path, wanted: Iterable[int]) -> Iterator[tuple[int, int, Set
     package = pyuff()
     starts = _starts(path)
     file = package.UFF(str(path))
-    known = frozenset(wanted)
+    known = frozenset(numbers)
     for index, (number, line) in enumerate(zip(file.get_set_types().tolist(), starts, strict=True)):
         if number not in known:
             yield number, line, None
@@ -246,14 +246,14 @@ def read_uff(path: str | Path, length: float = 1.0) -> Measurement:
     (array([41.2, 88.7]), 36)
     """
     found = _Found(Path(path), units=Units(1.0 / length))
-    told = False
+    has_units = False
     for number, line, found_set in data_sets(found.path, KNOWN):
         if found_set is None:
             found.left_out[f"data set {number}"] += 1
             continue
-        told |= number == UNITS
+        has_units |= number == UNITS
         _take(found, number, line, found_set)
-    if not told:
+    if not has_units:
         found.notes.append(f"no data set 164 (units): taken to be in units of {length:g} m, and newtons")
     frfs, histories = _functions(found)
     found.notes += [f"left out: {count} x {what}" for what, count in found.left_out.items()]
@@ -311,7 +311,7 @@ def _take_nodes(found: _Found, line: int, content: Set) -> None:
     found.nodes |= dict(zip(numbers.astype(int).tolist(), places, strict=True))
     found.systems |= set(own.astype(int).tolist()) | set(moved.astype(int).tolist())
     if used := found.systems & found.turned:
-        got = f"nodes in coordinate system {some_of(used)}, which is turned or shifted"
+        got = f"nodes in coordinate system {list_some(used)}, which is turned or shifted"
         raise wrong_set(found.path, line, got, "nodes in global axes", "export them in the global system")
 
 
@@ -389,7 +389,7 @@ def _modes(found: _Found, points: dict[int, Floats]) -> MeasuredModes | None:
     numbers = sorted({node for *_, moved in order for node in moved})
     for line, _, _, moved in order:
         if lost := [node for node in moved if node not in points]:
-            got = f"a mode with nodes without places: {some_of(lost)}"
+            got = f"a mode with nodes without places: {list_some(lost)}"
             raise wrong_set(found.path, line, got, "their coordinates in data set 15 or 2411")
     none = np.zeros(3)
     shapes = np.stack([np.array([moved.get(node, none) for node in numbers]) for *_, moved in order], axis=2)

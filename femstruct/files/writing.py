@@ -36,8 +36,8 @@ def short(stem: str) -> str:
     whole = stem.encode()
     if len(whole) <= _LONGEST:
         return stem
-    told = "_" + hashlib.sha256(whole).hexdigest()[:10]
-    return whole[: _LONGEST - len(told)].decode(errors="ignore") + told
+    suffix = "_" + hashlib.sha256(whole).hexdigest()[:10]
+    return whole[: _LONGEST - len(suffix)].decode(errors="ignore") + suffix
 
 
 def file_name(*words: str) -> str:
@@ -228,7 +228,7 @@ def numbered(paths: Sequence[Path]) -> list[Path]:
     return new
 
 
-def moved(paths: Sequence[Path]) -> list[Path]:
+def move_together(paths: Sequence[Path]) -> list[Path]:
     """Give files that belong together names with one number; those that are not there are left out of it."""
     new = numbered(paths)
     for old, other in zip(paths, new, strict=True):
@@ -237,7 +237,7 @@ def moved(paths: Sequence[Path]) -> list[Path]:
     return new
 
 
-def kept_beside(folder: Path, names: Sequence[str]) -> Path:
+def move_previous_folder(folder: Path, names: Sequence[str]) -> Path:
     """Keep files of a folder in another one beside it, FOLDER.1 or the next number; returns that. The files stay where
     they are, too, until others take their places.
 
@@ -251,7 +251,7 @@ def kept_beside(folder: Path, names: Sequence[str]) -> Path:
     ...     folder = Path(place, "floor")
     ...     folder.mkdir()
     ...     _ = (folder / "a.wav").write_text("x")
-    ...     kept_beside(folder, ["a.wav"]).name, kept_beside(folder, ["a.wav"]).name
+    ...     move_previous_folder(folder, ["a.wav"]).name, move_previous_folder(folder, ["a.wav"]).name
     ('floor.1', 'floor.2')
     """
     whole = folder.resolve()
@@ -328,7 +328,7 @@ class Stage:
 
 
 @contextmanager
-def together(folder: Path, *, finished: bool = True, inputs: str = "", keep: bool = False) -> Iterator[Stage]:
+def staged_folder(folder: Path, *, finished: bool = True, inputs: str = "", keep: bool = False) -> Iterator[Stage]:
     """A stage to write to, a hidden folder inside `folder`; at the end its files take their places all at once, and
     what earlier runs left there and this one did not write is removed.
 
@@ -343,7 +343,7 @@ def together(folder: Path, *, finished: bool = True, inputs: str = "", keep: boo
 
     >>> import tempfile
     >>> def write(folder, *names):
-    ...     with together(folder) as stage:
+    ...     with staged_folder(folder) as stage:
     ...         for name in names:
     ...             _ = (stage.path / name).write_text("x")
     ...     return stage.removed
@@ -378,7 +378,7 @@ def _take_places(stage: Stage, folder: Path, finished: bool, inputs: str, keep: 
     earlier, before = _listed(folder)
     there_still = [name for name, size in earlier.items() if _is_still(folder / name, size)]
     if keep and there_still and inputs != before:
-        stage.aside.append(kept_beside(folder, [*there_still, NAME]))
+        stage.aside.append(move_previous_folder(folder, [*there_still, NAME]))
         finished = True  # of the earlier run nothing is needed here any more
     sizes = {name: (stage.path / name).stat().st_size for name in names}
     _list(folder, {COMING: names, INPUTS: inputs, WRITTEN: sizes, EARLIER: earlier})
@@ -415,9 +415,9 @@ def _is_still(path: Path, size: int) -> bool:
     return path.is_file() and not path.is_symlink() and path.stat().st_size == size
 
 
-def _list(folder: Path, told: Mapping[str, object]) -> None:
+def _list(folder: Path, content: Mapping[str, object]) -> None:
     """Write the list: what is written here now, and what of earlier runs is still there as it was."""
-    whole = {"what": "bytes of the files in this folder that femstruct wrote", **told}
+    whole = {"what": "bytes of the files in this folder that femstruct wrote", **content}
     with replacing(folder / NAME) as temporary:
         temporary.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
 
@@ -427,10 +427,10 @@ def _listed(folder: Path) -> tuple[Sizes, str]:
     try:
         if os.path.getsize(folder / NAME) > 10_000_000:  # noqa: PTH202
             return {}, ""
-        told = json.loads((folder / NAME).read_text(encoding="utf-8"))
-        lists = [told[EARLIER], told[WRITTEN]]
+        content = json.loads((folder / NAME).read_text(encoding="utf-8"))
+        lists = [content[EARLIER], content[WRITTEN]]
         sizes = {name: size for one in lists for name, size in one.items() if isinstance(size, int)}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}, ""
     own = {name: size for name, size in sizes.items() if Path(name).name == name and "\0" not in name}
-    return own, str(told.get(INPUTS, ""))
+    return own, str(content.get(INPUTS, ""))

@@ -74,18 +74,18 @@ def rank_of(code: str, severe: bool) -> Rank:
     return CATALOGUE[code].rank if code in CATALOGUE else LIMITS  # of a finding that another program made
 
 
-def ranked(found: Iterable[Found]) -> tuple[Found, ...]:
+def rank_findings(found: Iterable[Found]) -> tuple[Found, ...]:
     """Findings without repetitions: what forbids trust, then what limits it, then remarks, each in their order.
 
     >>> from femstruct.errors import Finding
     >>> air, stiff = Finding("two-way-coupling", "Air."), Finding("twist-defect", "Stiff.")
-    >>> [finding.code for finding in ranked((air, stiff, stiff))]
+    >>> [finding.code for finding in rank_findings((air, stiff, stiff))]
     ['twist-defect', 'two-way-coupling']
     """
     once = {(one.code, one.message): one for one in found}
-    return tuple(sorted(once.values(), key=place_of))
+    return tuple(sorted(once.values(), key=rank_order))
 
 
-def place_of(one: Ranked) -> int:
+def rank_order(one: Ranked) -> int:
     """Where a finding comes in a report: 0 for what forbids trust, 1 for what limits it, 2 for remarks."""
     return list(Rank).index(rank_of(one.code, one.severe))

@@ -528,7 +528,7 @@ FITS: Final = (
                 "standard deviations of the correlation of white noise",
                 "chance exceeds it once in 31 000",
                 "normal distribution",
-                "fit.STRAY",
+                "fit.WHITE",
             ),
         ),
     ),

@@ -104,7 +104,7 @@ class Batch:
     residual: Floats
     lifts: Mapping[str, Lifts]
     flags: Mapping[str, Flags]
-    heard: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    at_receivers: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     def scene(self, i: int) -> Scene:
         """The scene of run i, for `simulate`: the same impact with its histories."""
@@ -128,9 +128,9 @@ class Batch:
         Those that take histories or samples are not among them (a structure that still rings, few samples in a contact,
         rest between blows): `simulate(basis, batch.scene(i), clock)` has them.
         """
-        if told := self.trouble(i):
+        if trouble := self.trouble(i):
             return (
-                Finding("failed", f"Run {i} has no result: {told}.", {"status": float(self.status[i])}, severe=True),
+                Finding("failed", f"Run {i} has no result: {trouble}.", {"status": float(self.status[i])}, severe=True),
             )
         outcome, scene = self.outcome[i], self.scene(i)
         assert outcome is not None
@@ -295,7 +295,7 @@ def _flags(
 
 CHUNK, EXACT_CHUNK = 64, 512  # runs between two looks at the keyboard; those of the exact march are short
 CHUNKS = 4  # of every thread, at least, where runs differ in length
-LISTENED = 8  # runs whose pushes are in memory at once, of every thread
+RUNS_WITH_FORCES = 8  # runs whose pushes are in memory at once, of every thread
 Progress = Callable[[int, int], None]
 
 
@@ -331,7 +331,7 @@ def simulate_batch(
     clock : as for `simulate`; nothing is sampled, so that the sampling rate plays no part.
     threads : all cores if None. The results do not depend on it.
     progress : told how many runs are done, of how many.
-    listener : makes further numbers of every run, `Batch.heard`, of what pushes the modes.
+    listener : makes further numbers of every run, `Batch.at_receivers`, of what pushes the modes.
 
     Raises InputError for unknown names, and columns of unequal length or none; FemstructError for values that a body,
     contact or link refuses. A run that fails has its row, and raises nothing.
@@ -356,15 +356,15 @@ def simulate_batch(
     # without samples the end of the window is the only one
     window = replace(clock, duration=max(round(clock.duration * clock.sampling), 1) / clock.sampling)
     window = replace(window, sampling=1.0 / window.duration)
-    fleet = Fleet.of(basis, varied, window, heard=listener is not None)
-    heard = np.empty((varied.runs, 0 if listener is None else listener.width))
+    fleet = Fleet.of(basis, varied, window, with_receivers=listener is not None)
+    received = np.empty((varied.runs, 0 if listener is None else listener.width))
     table, stop = np.empty((varied.runs, fleet.columns.width)), np.zeros(1, dtype=np.int64)
     workers, done = threads or os.cpu_count() or 1, 0
     chunk = min(EXACT_CHUNK, -(-varied.runs // workers))
     if not fleet.exact:
         chunk = min(CHUNK, -(-varied.runs // (CHUNKS * workers)))
     if listener is not None:
-        chunk = min(chunk, LISTENED)
+        chunk = min(chunk, RUNS_WITH_FORCES)
     starts = range(0, varied.runs, chunk)
 
     def run(start: int) -> None:
@@ -374,7 +374,7 @@ def simulate_batch(
             return
         moments = run_some(fleet, start, table[some], stop, listener.cells, listener.spacing)
         system = fleet.compiled.system
-        heard[some] = listener.of(moments, system.sign[:, None] * system.rows[:, : system.n_modes])
+        received[some] = listener.of(moments, system.sign[:, None] * system.rows[:, : system.n_modes])
 
     with ThreadPoolExecutor(workers) as pool:
         jobs = {pool.submit(run, start): start for start in starts}
@@ -387,4 +387,4 @@ def simulate_batch(
             stop[0] = 1
             pool.shutdown(cancel_futures=True)
             raise
-    return replace(batch_of(basis, clock, varied, fleet, table), heard=heard)
+    return replace(batch_of(basis, clock, varied, fleet, table), at_receivers=received)

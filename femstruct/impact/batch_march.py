@@ -18,7 +18,7 @@ from femstruct.arrays import Floats, Integers, frozen
 from femstruct.compiled.kernels import Counts, Cube, Matrix, Vector, kernel, unit
 from femstruct.compiled.records import ManyInterfaces, ManyLoads, ManyStrikes, Records, System
 from femstruct.errors import InputError
-from femstruct.impact.collocation import ERROR_BUDGET, CollocationSteps, Workspace, march, march_room
+from femstruct.impact.collocation import ERROR_BUDGET, CollocationSteps, Workspace, collocation_workspace, integrate
 from femstruct.impact.contact_events import (
     ALL_OPEN,
     CLOSES,
@@ -34,19 +34,19 @@ from femstruct.impact.contact_events import (
     WHOSE,
     WORKED,
     RunRecord,
-    lies,
-    room_for,
+    empty_record,
+    rests_on_contact,
 )
 from femstruct.impact.contact_events import STEPS as STEPS_TAKEN
 from femstruct.impact.energies import TIME, ledger_width, part_energies
 from femstruct.impact.exact import (
-    ExactRoom,
     ExactRule,
     ExactSteps,
-    exact_march,
-    exact_room,
+    ExactWorkspace,
     exact_rule,
-    takes_exact_march,
+    exact_workspace,
+    integrate_exactly,
+    is_piecewise_linear,
 )
 from femstruct.impact.propagation import (
     FINEST_HALVINGS,
@@ -219,7 +219,7 @@ class SharedTables(NamedTuple):
     entries: Matrix
     over: Matrix
     over_tilts: Matrix
-    struck: Counts
+    impacting: Counts
     weight: int
     gravity: float
     quiet: float
@@ -238,16 +238,16 @@ class Runs(NamedTuple):
     strikes: ManyStrikes
 
 
-class Marches(NamedTuple):
+class IntegratorSettings(NamedTuple):
     """What both marches need, the exact one and the one by collocation. exact : whether it is the exact one, which
     needs no tables."""
 
     exact: bool
     steps: CollocationSteps
-    room: Workspace
+    scratch: Workspace
     exact_steps: ExactSteps
     exact_rule: ExactRule
-    exact_room: ExactRoom
+    exact_scratch: ExactWorkspace
 
 
 class Out(NamedTuple):
@@ -258,8 +258,8 @@ class Out(NamedTuple):
 
 
 @unit(seconds=3.0)
-def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, marches: Marches, record: RunRecord,
-             state: State, at: Columns, out: Out) -> int:  # fmt: skip
+def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, settings: IntegratorSettings,
+             record: RunRecord, state: State, at: Columns, out: Out) -> int:  # fmt: skip
     """Fill a row of metrics [c, width] for each run. frame, tables : what of them
     depends on a run is this call's own."""
     k, bodies = frame.n_modes, runs.mass.shape[1]
@@ -284,15 +284,17 @@ def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, ma
         record.kept[:], record.peak[:], record.shortest[:] = 0, 0.0, np.inf
         record.totals[:], record.travel[:], record.deepest[:], record.late[:] = 0.0, 0.0, 0.0, np.nan
         record.strikes[:], record.latest[:], record.strike_peak[:], record.moments[:] = 0.0, -1, 0.0, 0.0
-        if marches.exact:
-            status = exact_march(frame, state, marches.exact_rule, marches.exact_room, record, marches.exact_steps)
+        if settings.exact:
+            status = integrate_exactly(
+                frame, state, settings.exact_rule, settings.exact_scratch, record, settings.exact_steps
+            )
         else:
-            status = march(frame, state, tables, marches.room, record, marches.steps)
+            status = integrate(frame, state, tables, settings.scratch, record, settings.steps)
         if out.moments.shape[2] > 0:
             for a in range(len(record.moments)):
                 copy_to(out.moments[i, a], record.moments[a])
         rows, events = int(record.ended[ROWS]), int(record.ended[EVENTS])
-        end = record.history[rows - 1 if marches.exact else rows]  # collocation counts it with samples only
+        end = record.history[rows - 1 if settings.exact else rows]  # collocation counts it with samples only
         record.totals[DRIFT] += abs(part_energies(frame, state, end))
         mass, row = runs.mass[i], out.rows[i]
         _measure(
@@ -352,8 +354,8 @@ def _weigh_rows(frame: System, shared: SharedTables, mass: Floats) -> None:
             frame.mobility[a] += rows[a, k + b] ** 2
             if len(frame.turn):
                 frame.drives[a, k + b] = rows[a, k + b]
-    for o in range(len(shared.struck)):
-        root = np.sqrt(mass[shared.struck[o]])
+    for o in range(len(shared.impacting)):
+        root = np.sqrt(mass[shared.impacting[o]])
         for j in range(len(frame.omega)):
             frame.over[o, j] = shared.over[o, j] * (root if j < k else root / np.sqrt(mass[j - k]))
         for j in range(frame.over_tilts.shape[1]):
@@ -412,7 +414,7 @@ def _measure(system: System, state: State, record: RunRecord, at: Columns, row: 
             if system.strikes[s]["coordinate"] != k + b:
                 continue
             held = record.strikes[s, HELD]
-            if held > 0.0 and not lies(held, gravity * mass[b]):
+            if held > 0.0 and not rests_on_contact(held, gravity * mass[b]):
                 if row[at.lifts + b] == 0.0:
                     row[at.lift_number + b], row[at.lift_force + b] = blows, held
                     row[at.lift_since + b] = system.strikes[s]["tick"] * system.tick - record.strikes[s, SINCE]
@@ -450,11 +452,11 @@ class Fleet:
     columns: Columns
 
     @staticmethod
-    def of(basis: ModalBasis, varied: Variation, window: Clock, *, heard: bool = False) -> Fleet:
-        """A fleet on a basis. window : of one sample, so that its end is a power of two ticks away. heard : whether
-        somebody listens, which takes the march that has forces as polynomials."""
+    def of(basis: ModalBasis, varied: Variation, window: Clock, *, with_receivers: bool = False) -> Fleet:
+        """A fleet on a basis. window : of one sample, so that its end is a power of two ticks away.
+        with_receivers : whether forces are needed as polynomials, which collocation has."""
         compiled = compile_scene(basis, varied.scene, window)
-        exact = not heard and takes_exact_march(_hardest(varied, compiled), window.duration)
+        exact = not with_receivers and is_piecewise_linear(_hardest(varied, compiled), window.duration)
         halvings = FINEST_HALVINGS if exact else _halvings(varied, compiled, window)
         compiled = compile_scene(basis, varied.scene, window, halvings)
         system, k = compiled.system, compiled.system.n_modes
@@ -469,7 +471,7 @@ class Fleet:
         entries = system.rows[:, k:] * scale
         entries[weight:] = system.rows[weight:, k:] / scale
         places = {body.name: i for i, body in enumerate(scene.bodies)}
-        struck = np.array([places[blows.body] for blows in scene.blows], dtype=np.int64)
+        impacting = np.array([places[blows.body] for blows in scene.blows], dtype=np.int64)
         waiting = {blows.body for blows in scene.blows if round(float(blows.times[0]) / system.tick) > 0}
         of_modes, drives = system.rows.copy(), system.drives.copy()
         of_modes[:, k:] = drives[:, k:] = 0.0
@@ -487,9 +489,9 @@ class Fleet:
             start=compiled.start[:, :k].copy(),
             waits=np.array([body.name in waiting for body in scene.bodies], dtype=np.int64),
             entries=entries,
-            over=system.over * np.append(np.ones(k), scale) / scale[struck][:, None],
-            over_tilts=system.over_tilts / scale[struck][:, None] if system.over_tilts.size else system.over_tilts,
-            struck=struck,
+            over=system.over * np.append(np.ones(k), scale) / scale[impacting][:, None],
+            over_tilts=system.over_tilts / scale[impacting][:, None] if system.over_tilts.size else system.over_tilts,
+            impacting=impacting,
             weight=weight,
             gravity=scene.gravity,
             quiet=window.quiet,
@@ -522,7 +524,7 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int =
     r, m, n = len(system.rows), len(system.interfaces), len(system.omega)
     columns = cells + 2 if cells else 0
     moments = np.zeros((len(out), r, columns))
-    record = room_for(system, 0)._replace(stop=stop, moments=np.zeros((r, columns)), spacing=np.array([spacing]))
+    record = empty_record(system, 0)._replace(stop=stop, moments=np.zeros((r, columns)), spacing=np.array([spacing]))
     record.late_at[0] = fleet.late
     run_many(
         frame=system._replace(
@@ -542,7 +544,7 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int =
             stray_push=tables.stray_push.copy(),
         ),
         runs=numbers(fleet.varied, fleet.compiled, first, first + len(out)),
-        marches=Marches(
+        settings=IntegratorSettings(
             exact=fleet.exact,
             steps=CollocationSteps(
                 halvings=fleet.compiled.halvings,
@@ -551,10 +553,10 @@ def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int =
                 max_steps=MAX_STEPS,
                 paced=STEPS_BETWEEN_CHECKS,
             ),
-            room=march_room(system),
+            scratch=collocation_workspace(system),
             exact_steps=ExactSteps(fleet.clock.duration, interval=np.inf, longest=np.inf, max_steps=MAX_STEPS),
             exact_rule=exact_rule(),
-            exact_room=exact_room(system),
+            exact_scratch=exact_workspace(system),
         ),
         record=record,
         state=State(
@@ -587,8 +589,8 @@ def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Run
                     interfaces[field][:, a] = values(f"{name}.{word}", 0.0)
             interfaces["opening"][:, a] = interfaces["closing"][:, a]
             interfaces["preload"][:, a] = values(f"{name}.preload", float(system.interfaces[a]["preload"]))
-            rest = _rest(contacts[name], varied, interfaces[:, a])
-            interfaces["offset"][:, a] = rest - values(f"{name}.gap", contacts[name].gap)
+            static_indentation = _rest(contacts[name], varied, interfaces[:, a])
+            interfaces["offset"][:, a] = static_indentation - values(f"{name}.gap", contacts[name].gap)
     for name, a in compiled.links.items():
         for word in ("stiffness", "closing", "opening", "preload"):
             interfaces[word][:, a] = values(f"{name}.{word}", float(system.interfaces[a][word]))

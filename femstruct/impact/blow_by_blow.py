@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.contact_events import ENERGY, HELD, MOMENTUM, SINCE, RunRecord, lies
+from femstruct.impact.contact_events import ENERGY, HELD, MOMENTUM, SINCE, RunRecord, rests_on_contact
 from femstruct.impact.motion import Motion, modal_motions
 from femstruct.impact.response import Blow, Event, Outcome
 from femstruct.impact.scene import Blows, Clock, Contact, Scene
@@ -101,7 +101,7 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
     for plan in scene.blows:
         mine = [blow for blow in blows if blow.body == plan.body]
         weight = scene.gravity * sum(body.mass for body in scene.bodies if body.name == plan.body)
-        held = [blow for blow in mine if blow.held_since is not None and not lies(blow.held_force, weight)]
+        held = [blow for blow in mine if blow.held_since is not None and not rests_on_contact(blow.held_force, weight)]
         if held:
             first = held[0]
             since = float(plan.times[first.number]) - (first.held_since or 0.0)

@@ -22,25 +22,25 @@ from femstruct.impact.contact_events import (
     TOO_MANY_EVENTS,
     RunRecord,
     Standing,
-    balance_books,
+    apply_blow,
+    balance_ledger_row,
     confirm,
     ended,
-    first_strike,
-    goes_on,
-    keep,
-    keep_row,
     log_changes,
     log_event,
-    open_books,
+    log_initial_blow,
+    may_continue,
     peaks,
     peaks_at_start,
     settle_events,
     standing_room,
-    strike,
-    touch,
+    start_ledger,
+    store_row,
+    store_state,
     travels,
+    update_status,
 )
-from femstruct.impact.energies import MODES, integrate_losses, part_energies, take_stock
+from femstruct.impact.energies import MODES, fill_ledger_row, integrate_losses, part_energies
 from femstruct.impact.propagation import (
     AWAY,
     CLAMPED,
@@ -63,7 +63,7 @@ from femstruct.impact.propagation import (
     net_force,
     rows_now,
     sense,
-    trial_room,
+    step_workspace,
     try_step,
 )
 from femstruct.impact.system import Compiled
@@ -85,7 +85,9 @@ PLACE_MISSED, RATE_MISSED, PLACE_ROUNDING, RATE_ROUNDING = 0, 1, 2, 3  # columns
 
 
 @kernel
-def strays(level: int, system: System, state: State, tables: Tables, trial: StepTrial, out: Floats) -> None:
+def interpolation_errors(
+    level: int, system: System, state: State, tables: Tables, trial: StepTrial, out: Floats
+) -> None:
     """Per interface what interpolation can miss of displacement and velocity, and their rounding: out [i, 4]."""
     r, rule = len(system.rows), tables.rule
     derivatives = trial.derivatives
@@ -129,7 +131,7 @@ def strays(level: int, system: System, state: State, tables: Tables, trial: Step
 
 
 @kernel
-def excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[int, float]:
+def first_excursion(values: Floats, margin: float, stray: float, rule: Rule) -> tuple[int, float]:
     """Whether the function with these values at the places exceeds the margin, and where first it is seen to do so.
 
     SHARP where it moves by less than the margin in all of the step: a shorter one would not find the place any better,
@@ -194,7 +196,7 @@ def watch(
             side = 1.0 if status == OPEN else -1.0
             for p in range(PLACES):
                 values[p] = side * (trial.place[a, p] + system.interfaces[a]["offset"])
-            code, where = excursion(values, margin, stray, rule)
+            code, where = first_excursion(values, margin, stray, rule)
             answer, part = _first(answer, part, code, where)
         if clamps and status != OPEN:
             side = -1.0 if status == CLOSED else 1.0
@@ -203,7 +205,7 @@ def watch(
                 values[p] = side * (constant + by_depth * depth + by_speed * trial.rate[a, p])
             margin = by_depth * bounds[a, PLACE_ROUNDING] + by_speed * bounds[a, RATE_ROUNDING]
             stray = by_depth * bounds[a, PLACE_MISSED] + by_speed * bounds[a, RATE_MISSED]
-            code, where = excursion(values, margin, stray, rule)
+            code, where = first_excursion(values, margin, stray, rule)
             answer, part = _first(answer, part, code, where)
         if system.interfaces[a]["preload"] > 0.0 and status == CLOSED:
             side = -1.0 if loaded[a] > 0.0 else 1.0
@@ -211,7 +213,7 @@ def watch(
             values[PLACES - 1] = side * _ends(trial.forces[a], rule.at_end)
             for p in range(STAGES):
                 values[p + 1] = side * trial.forces[a, p]
-            code, where = excursion(values, least_excess(system, bounds, a), 0.0, rule)
+            code, where = first_excursion(values, least_excess(system, bounds, a), 0.0, rule)
             answer, part = _first(answer, part, code, where)
     return answer, part
 
@@ -292,10 +294,10 @@ class Workspace(NamedTuple):
     found: Vector
 
 
-def march_room(system: System) -> Workspace:
+def collocation_workspace(system: System) -> Workspace:
     """Work space for marches of a system of this size."""
     return Workspace(
-        trial=trial_room(system),
+        trial=step_workspace(system),
         here=standing_room(system),
         bounds=np.zeros((len(system.interfaces), 4)),
         work=np.zeros((STAGES + 4, len(system.omega))),
@@ -305,19 +307,19 @@ def march_room(system: System) -> Workspace:
 
 @unit(seconds=6.0)
 def attempt(
-    now: float, level: int, system: System, state: State, tables: Tables, room: Workspace, tolerance: float
+    now: float, level: int, system: System, state: State, tables: Tables, scratch: Workspace, tolerance: float
 ) -> int:
     """Try a step of tick 2^level from now on; what the watch over the contacts says of it, or REFUSED.
 
     One that is a tick long is taken whatever its error, as long as its forces were found.
     """
-    error = try_step(now, level, system, state, tables, room.trial, tolerance)
-    room.found[ERROR] = error
+    error = try_step(now, level, system, state, tables, scratch.trial, tolerance)
+    scratch.found[ERROR] = error
     if not error < np.inf or (error > 1.0 and level > 0):
         return REFUSED
-    strays(level, system, state, tables, room.trial, room.bounds)
-    answer, part = watch(system, state, tables.rule, room.trial, room.bounds, room.here.loaded)
-    room.found[PART] = part
+    interpolation_errors(level, system, state, tables, scratch.trial, scratch.bounds)
+    answer, part = watch(system, state, tables.rule, scratch.trial, scratch.bounds, scratch.here.loaded)
+    scratch.found[PART] = part
     return answer
 
 
@@ -418,25 +420,25 @@ class CollocationSteps(NamedTuple):
 
 
 @unit(seconds=9.0)
-def march(
-    system: System, state: State, tables: Tables, room: Workspace, record: RunRecord, steps: CollocationSteps
+def integrate(
+    system: System, state: State, tables: Tables, scratch: Workspace, record: RunRecord, steps: CollocationSteps
 ) -> int:
     """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
     A record without samples is of one interval of 2^halvings ticks, and keeps the first and the last ledger row only.
     """
-    history, samples, here, trial = record.history, len(record.at), room.here, room.trial
+    history, samples, here, trial = record.history, len(record.at), scratch.here, scratch.trial
     per_sample = 1 << steps.halvings
     end = max(samples, 1) * per_sample
     stride = max(end // LEDGER_ROWS, 1)
     top_level = _longest_kept(steps.top_level, stride, samples)
-    initial = _begin(system, state, room, record)
+    initial = _begin(system, state, scratch, record)
     n_history, n_events = 1, log_changes(0.0, system, state, here.loaded, history[0], 0, record)
     blow = _strikes_at_start(system, state, record)
     t, level, hint, kink = 0, top_level, -1, 0
     last, tried, seen = 0, 0, 0
     while t < end:
-        how, tried, seen = _progress(goes_on(record, steps.max_steps), tried + 1, seen, t, end, steps)
+        how, tried, seen = _progress(may_continue(record, steps.max_steps), tried + 1, seen, t, end, steps)
         if how != DONE:
             return ended(record, how, t * system.tick, n_history, n_events)
         kink = _next_kink(system, kink, t)
@@ -445,9 +447,9 @@ def march(
         # what a load puts in is kept as finely as what it moves
         level = min(level, _longest(t, limit - t, top_level), steps.halvings if acting else top_level)
         now, h = t * system.tick, system.tick * float(1 << level)
-        _begin_trial(room)
-        answer = attempt(now, level, system, state, tables, room, steps.tolerance)
-        error, part = room.found[ERROR], room.found[PART]
+        _begin_trial(scratch)
+        answer = attempt(now, level, system, state, tables, scratch, steps.tolerance)
+        error, part = scratch.found[ERROR], scratch.found[PART]
         if answer == REFUSED:
             if level == 0:
                 return ended(record, NO_FORCES, now, n_history, n_events)
@@ -459,22 +461,22 @@ def march(
             level -= 1
             continue
         if samples > 0 and t % per_sample == 0:
-            keep(t // per_sample, max(level - steps.halvings, 0), state, trial, record)
-        _note_step(now, h, system, state, tables.rule, room, record)
+            store_state(t // per_sample, max(level - steps.halvings, 0), state, trial, record)
+        _note_step(now, h, system, state, tables.rule, scratch, record)
         here.lost[len(system.interfaces) + MODES] += advance(
-            level, system, tables, trial.forces, state.z, state.v, room.work
+            level, system, tables, trial.forces, state.z, state.v, scratch.work
         )
         before, t = t, t + (1 << level)
         now = t * system.tick
-        _arrive(before, t, system, state, room, record)
+        _arrive(before, t, system, state, scratch, record)
         moment = now
         if answer in (CHANGES, SHARP):
             moment = now - (1.0 - part) * h
-            _switch_contacts(moment, system, state, room)
-        struck = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
-        if struck:
-            take_stock(now, system, state, here.place, here.lost, history[n_history])
-            keep_row(n_history, state, record)
+            _switch_contacts(moment, system, state, scratch)
+        has_blow = blow < len(system.strikes) and system.strikes[blow]["tick"] <= t
+        if has_blow:
+            fill_ledger_row(now, system, state, here.place, here.lost, history[n_history])
+            store_row(n_history, state, record)
             n_history += 1
             blow = _strike_bodies(now, t, blow, system, state, here, record)
             n_events = _log_lifted(t, system, state, history[n_history - 1], n_events, record)
@@ -482,14 +484,14 @@ def march(
                 return ended(record, TOO_MANY_EVENTS, now, n_history, len(record.events))
             moment = now
         _act(t, system, state, here)
-        if not balance_books(now, initial, system, state, here, history[n_history], record):
+        if not balance_ledger_row(now, initial, system, state, here, history[n_history], record):
             return ended(record, NO_FORCES, now, n_history, n_events)
         n_events = log_changes(moment, system, state, here.loaded, history[n_history], n_events, record)
         if n_events == FULL:
             return ended(record, TOO_MANY_EVENTS, now, n_history, len(record.events))
         busy = (acting or _total(here.loaded) > 0.0) and t - last >= per_sample
-        if samples > 0 and (busy or struck or t - last >= stride or t == end):
-            keep_row(n_history, state, record)
+        if samples > 0 and (busy or has_blow or t - last >= stride or t == end):
+            store_row(n_history, state, record)
             n_history += 1
             last = t
         record.totals[STEPS] += 1.0
@@ -499,13 +501,13 @@ def march(
 
 
 @kernel
-def _begin(system: System, state: State, room: Workspace, record: RunRecord) -> float:
+def _begin(system: System, state: State, scratch: Workspace, record: RunRecord) -> float:
     """Put every interface into its first status and open the ledger; returns the total that it is held against.
 
     Contacts that close at once, preloaded contacts and links without a release time act; the rest is open, touching or
     not, and closes when the leading derivative of its indentation says so.
     """
-    here = room.here
+    here = scratch.here
     here.lost[:], here.loaded[:], here.closed_at[:] = 0.0, 0.0, 0.0
     rows_now(system, state.z, state.v, here.place, here.rate)
     for a in range(len(system.interfaces)):
@@ -517,13 +519,13 @@ def _begin(system: System, state: State, room: Workspace, record: RunRecord) -> 
         elif system.interfaces[a]["release"] > 0:
             state.status[a] = AWAY
         else:
-            touch(system, state, a, place, rate, 0.0)
+            update_status(system, state, a, place, rate, 0.0)
             here.loaded[a] = 1.0 if state.status[a] == CLOSED and system.interfaces[a]["preload"] == 0.0 else 0.0
         if state.status[a] == CLOSED:
             state.force[a] = net_force(system, state, a, place, rate)
     for a in range(len(here.rate)):
         state.pace[a] = abs(here.rate[a])
-    initial = open_books(system, state, here, record)
+    initial = start_ledger(system, state, here, record)
     peaks_at_start(system, state, here.place, here.rate, record)
     return initial
 
@@ -543,7 +545,7 @@ def _strikes_at_start(system: System, state: State, record: RunRecord) -> int:
     """Book the blows at t = 0, which are the start itself; returns the number of the next one."""
     blow = 0
     while blow < len(system.strikes) and system.strikes[blow]["tick"] == 0:
-        first_strike(system, blow, state, record)
+        log_initial_blow(system, blow, state, record)
         blow += 1
     return blow
 
@@ -577,10 +579,10 @@ def _limit(system: System, kink: int, hint: int, t: int, end: int) -> int:
 
 
 @kernel
-def _begin_trial(room: Workspace) -> None:
+def _begin_trial(scratch: Workspace) -> None:
     """A trial step begins where the rows are."""
-    for a in range(len(room.here.place)):
-        room.trial.place[a, 0], room.trial.rate[a, 0] = room.here.place[a], room.here.rate[a]
+    for a in range(len(scratch.here.place)):
+        scratch.trial.place[a, 0], scratch.trial.rate[a, 0] = scratch.here.place[a], scratch.here.rate[a]
 
 
 @kernel
@@ -591,33 +593,33 @@ def _levels_down(error: float) -> int:
 
 @kernel
 def _note_step(
-    t: float, h: float, system: System, state: State, rule: Rule, room: Workspace, record: RunRecord
+    t: float, h: float, system: System, state: State, rule: Rule, scratch: Workspace, record: RunRecord
 ) -> None:
     """What a step that is taken leaves in the record, before the state moves: peaks, moments, events that count, and
     what it dissipated."""
-    peaks(t, h, system, state, rule, room.trial, record)
-    travels(h, system, state, rule, room.trial, record)
+    peaks(t, h, system, state, rule, scratch.trial, record)
+    travels(h, system, state, rule, scratch.trial, record)
     if record.moments.shape[1] > 0:
-        gather(t, h, rule, room.trial, record)
-    _confirm_step(system, state, room.trial, room.bounds, record)
-    integrate_losses(h, system, state, rule, room.trial, room.here.lost)
+        gather(t, h, rule, scratch.trial, record)
+    _confirm_step(system, state, scratch.trial, scratch.bounds, record)
+    integrate_losses(h, system, state, rule, scratch.trial, scratch.here.lost)
 
 
 @kernel
-def _arrive(before: int, t: int, system: System, state: State, room: Workspace, record: RunRecord) -> None:
+def _arrive(before: int, t: int, system: System, state: State, scratch: Workspace, record: RunRecord) -> None:
     """Rows as they are at the end of a step, and the largest speed that each of them had."""
     if before < record.late_at[0] <= t:
         copy_to(record.late, state.v)
-    rows_now(system, state.z, state.v, room.here.place, room.here.rate)
+    rows_now(system, state.z, state.v, scratch.here.place, scratch.here.rate)
     for a in range(len(system.rows)):
         for p in range(PLACES):
-            state.pace[a] = max(state.pace[a], abs(room.trial.rate[a, p]))
+            state.pace[a] = max(state.pace[a], abs(scratch.trial.rate[a, p]))
 
 
 @kernel
-def _switch_contacts(moment: float, system: System, state: State, room: Workspace) -> None:
+def _switch_contacts(moment: float, system: System, state: State, scratch: Workspace) -> None:
     """Status of every contact at the end of a step in which one of them changes; moment : when."""
-    here, trial, bounds = room.here, room.trial, room.bounds
+    here, trial, bounds = scratch.here, scratch.trial, scratch.bounds
     for a in range(len(here.place)):
         trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = here.place[a], here.rate[a]
     for a in range(len(system.interfaces)):
@@ -634,7 +636,7 @@ def _strike_bodies(
 ) -> int:
     """Let all bodies strike whose blow is due; returns the number of the next one."""
     while blow < len(system.strikes) and system.strikes[blow]["tick"] <= t:
-        strike(now, t, blow, system, state, here, record)
+        apply_blow(now, t, blow, system, state, here, record)
         blow += 1
     return blow
 
@@ -684,10 +686,10 @@ def _total(values: Floats) -> float:
 
 
 @kernel
-def _longest(t: int, room: int, top: int) -> int:
+def _longest(t: int, left: int, top: int) -> int:
     """Level of the longest step from t that is aligned to its length and fits into the room."""
     level = 0
-    while level < top and (t >> level) & 1 == 0 and (2 << level) <= room:
+    while level < top and (t >> level) & 1 == 0 and (2 << level) <= left:
         level += 1
     return level
 
@@ -784,12 +786,12 @@ def collocate(
         end = compiled.n_samples << compiled.halvings
         longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger
         top_level = max(min(top_level, longest.bit_length() - 1) - finer, 0)
-    steps = CollocationSteps(compiled.halvings, top_level, tolerance * ERROR_BUDGET, MAX_STEPS, paced(system))
-    how = march(system, state, tables, march_room(system), record, steps)
+    steps = CollocationSteps(compiled.halvings, top_level, tolerance * ERROR_BUDGET, MAX_STEPS, report_steps(system))
+    how = integrate(system, state, tables, collocation_workspace(system), record, steps)
     return Ended.of(how, record)
 
 
-def paced(system: System) -> int:
+def report_steps(system: System) -> int:
     """Steps tried between two looks at the progress of a run alone: at a pace at which MAX_STEPS are too few it ends.
 
     One look takes some seconds, so that a run which gets nowhere does not take minutes to say so; a burst of collisions

@@ -17,11 +17,11 @@ from femstruct.impact.energies import (
     STRUCTURE,
     TIME,
     WORK,
+    fill_ledger_row,
     ledger_width,
     modal_energies,
     part_energies,
     stored,
-    take_stock,
 )
 from femstruct.impact.motion import Motion, inner_tables
 from femstruct.impact.propagation import (
@@ -116,7 +116,7 @@ class RunRecord(NamedTuple):
     ended: Vector
 
 
-def room_for(system: System, n_samples: int) -> RunRecord:
+def empty_record(system: System, n_samples: int) -> RunRecord:
     """Empty records of a run; memory is touched only where something is written.
 
     The history takes at most a row a sample while a contact is closed or a load acts, 2048 more, and two a blow.
@@ -161,7 +161,7 @@ def room_for(system: System, n_samples: int) -> RunRecord:
 
 
 @kernel
-def keep(index: int, doublings: int, state: State, trial: StepTrial, record: RunRecord) -> None:
+def store_state(index: int, doublings: int, state: State, trial: StepTrial, record: RunRecord) -> None:
     """Keep the state at a sample, the start of a step of 2^doublings samples, or of less than two for 0."""
     s, long = record.kept[0], record.kept[1]
     record.at[s], record.doublings[s] = index, doublings
@@ -230,7 +230,7 @@ def standing_room(system: System) -> Standing:
     )
 
 
-class Felt(NamedTuple):
+class ContactForces(NamedTuple):
     """Displacement and speed of the interfaces at the samples, place, rate [m, nt]; force [m, nt] : as it is felt;
     push [r, nt] : of all rows, as they push the rest."""
 
@@ -241,7 +241,7 @@ class Felt(NamedTuple):
 
 
 @unit(seconds=1.0)
-def feel(system: System, state: State, halvings: int, record: RunRecord, out: Felt) -> int:
+def fill_forces(system: System, state: State, halvings: int, record: RunRecord, out: ContactForces) -> int:
     """Fill in the forces at the samples. state : at the end; its status is changed on the way."""
     m, nt = out.place.shape
     for s in range(record.kept[0]):
@@ -365,13 +365,13 @@ REST_FORCE_ERROR = 0.1  # of its weight: what the contact force under a body tha
 
 
 @kernel
-def lies(force: float, weight: float) -> bool:
+def rests_on_contact(force: float, weight: float) -> bool:
     """Whether a body under gravity lay still on a contact of this force when it was lifted off."""
     return abs(force - weight) <= REST_FORCE_ERROR * weight
 
 
 @kernel
-def touch(system: System, state: State, a: int, place: float, rate: float, margin: float) -> None:
+def update_status(system: System, state: State, a: int, place: float, rate: float, margin: float) -> None:
     """Status of a contact whose ends were just put where they are: it closes when it is indented, or when it touches
     and its ends approach; touching without speed it is open until the leading derivative closes it."""
     delta = place + system.interfaces[a]["offset"]
@@ -384,7 +384,7 @@ def touch(system: System, state: State, a: int, place: float, rate: float, margi
 
 
 @kernel
-def first_strike(system: System, number: int, state: State, record: RunRecord) -> None:
+def log_initial_blow(system: System, number: int, state: State, record: RunRecord) -> None:
     """Book a blow at t = 0: it is the start itself, its energy is that of the start."""
     coordinate = system.strikes[number]["coordinate"]
     record.strikes[number, ENERGY] = 0.5 * state.v[coordinate] ** 2
@@ -395,7 +395,9 @@ def first_strike(system: System, number: int, state: State, record: RunRecord) -
 
 
 @kernel
-def strike(now: float, t: int, number: int, system: System, state: State, here: Standing, record: RunRecord) -> None:
+def apply_blow(
+    now: float, t: int, number: int, system: System, state: State, here: Standing, record: RunRecord
+) -> None:
     """Lift a body off and let it strike again; place and rate of all rows are renewed.
 
     Peaks since the last blow go to the record of that blow, and begin again.
@@ -426,7 +428,7 @@ def strike(now: float, t: int, number: int, system: System, state: State, here: 
         state.pace[a] = max(state.pace[a], abs(rate[a]))
         if system.rows[a, i] != 0.0 and system.interfaces[a]["kind"] != LINK and system.interfaces[a]["release"] <= t:
             margin = DISPLACEMENT_ROUNDING * terms_of(system, a, state.z, state.v)
-            touch(system, state, a, place[a], rate[a], margin)
+            update_status(system, state, a, place[a], rate[a], margin)
             mine[ENERGY] += stored(system, state, a, place[a])
             loaded[a] = 1.0 if state.status[a] == CLOSED else 0.0
             if loaded[a] > 0.0:
@@ -528,17 +530,17 @@ FULL = -1  # in place of a number of events: the log has no room
 
 
 @kernel
-def open_books(system: System, state: State, here: Standing, record: RunRecord) -> float:
+def start_ledger(system: System, state: State, here: Standing, record: RunRecord) -> float:
     """The first ledger row, and no event so far; returns the total that the others are held against."""
     record.closed[:], record.newest[:], record.size[:] = 0.0, -1, 0.0
     if len(system.turn):
         here.lost[len(system.interfaces) + GIVEN] = modal_energies(system, state)[1]
-        keep_row(0, state, record)
-    return take_stock(0.0, system, state, here.place, here.lost, record.history[0])
+        store_row(0, state, record)
+    return fill_ledger_row(0.0, system, state, here.place, here.lost, record.history[0])
 
 
 @kernel
-def keep_row(index: int, state: State, record: RunRecord) -> None:
+def store_row(index: int, state: State, record: RunRecord) -> None:
     """Keep where coupled modes are at a ledger row: their energies are told from there when the run is over."""
     if len(record.rows_z):
         copy_to(record.rows_z[index], state.z[: record.rows_z.shape[1]])
@@ -546,7 +548,7 @@ def keep_row(index: int, state: State, record: RunRecord) -> None:
 
 
 @kernel
-def goes_on(record: RunRecord, max_steps: int) -> int:
+def may_continue(record: RunRecord, max_steps: int) -> int:
     """Count a trial; DONE while there may be one, else why the march ends."""
     if record.totals[TRIALS] >= max_steps:
         return TOO_MANY_STEPS
@@ -555,12 +557,12 @@ def goes_on(record: RunRecord, max_steps: int) -> int:
 
 
 @kernel
-def balance_books(
+def balance_ledger_row(
     t: float, initial: float, system: System, state: State, here: Standing, row: Floats, record: RunRecord
 ) -> bool:
     """Fill a ledger row, and hold its total against the first one; whether it is a number."""
     m, lost = len(system.interfaces), here.lost
-    total = take_stock(t, system, state, here.place, lost, row)
+    total = fill_ledger_row(t, system, state, here.place, lost, row)
     if not np.isfinite(total):
         return False
     record.totals[DRIFT] = max(record.totals[DRIFT], abs(total - initial))

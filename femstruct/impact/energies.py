@@ -37,17 +37,17 @@ def stored(system: System, state: State, a: int, displacement: float) -> float:
             return float(held)
         moved = displacement - state.rest[a]
         return float(held + 0.5 * stiffness * moved * moved + preload * moved)
-    rest = system.interfaces[a]["offset"]
-    delta = displacement + rest if state.status[a] != OPEN and state.status[a] != AWAY else 0.0
+    static_indentation = system.interfaces[a]["offset"]
+    delta = displacement + static_indentation if state.status[a] != OPEN and state.status[a] != AWAY else 0.0
     if preload > 0.0:
         if delta > 0.0:
-            return float(beside(system, a, rest, displacement))
-        return float(-potential(system, a, rest) - preload * displacement)
+            return float(beside(system, a, static_indentation, displacement))
+        return float(-potential(system, a, static_indentation) - preload * displacement)
     return potential(system, a, delta)
 
 
 @kernel
-def take_stock(t: float, system: System, state: State, place: Floats, lost: Floats, row: Floats) -> float:
+def fill_ledger_row(t: float, system: System, state: State, place: Floats, lost: Floats, row: Floats) -> float:
     """Fill a ledger row; lost [m + INTEGRATED] holds what was integrated: by interface, then modes, work, what blows
     brought and what coupled modes were given. Returns the total: stored and dissipated less the work and the blows.
 

@@ -25,15 +25,15 @@ from femstruct.impact.contact_events import (
     TOO_MANY_EVENTS,
     RunRecord,
     Standing,
-    balance_books,
+    balance_ledger_row,
     confirm,
     ended,
-    goes_on,
-    keep_row,
     log_changes,
-    open_books,
+    may_continue,
     settle_events,
     standing_room,
+    start_ledger,
+    store_row,
 )
 from femstruct.impact.energies import GIVEN, MODES, WORK
 from femstruct.impact.propagation import (
@@ -106,7 +106,7 @@ def _bernstein(degree: int) -> Floats:
     return np.array([[comb(j, k) / comb(degree, k) for k in range(degree + 1)] for j in range(degree + 1)])
 
 
-class ExactRoom(NamedTuple):
+class ExactWorkspace(NamedTuple):
     """Work space of one march, used by every step: nothing is allocated on the way.
 
     z [ORDER + 1, n] : power series of the coordinates over the step, in parts of it; w : of the rates of oscillators in
@@ -129,7 +129,7 @@ class ExactRoom(NamedTuple):
     spring: Vector
     dash: Vector
     held: Vector
-    way: Counts
+    direction: Counts
     fresh: CountTable
     here: Standing
     watched: Vector
@@ -140,10 +140,10 @@ class ExactRoom(NamedTuple):
     v: Vector
 
 
-def exact_room(system: System) -> ExactRoom:
+def exact_workspace(system: System) -> ExactWorkspace:
     """Work space for marches of a system of this size."""
     n, r, m, size = len(system.omega), len(system.rows), len(system.interfaces), ORDER + 1
-    return ExactRoom(
+    return ExactWorkspace(
         z=np.zeros((size, n)),
         w=np.zeros((size, n) if len(system.turn) else (0, 0)),
         place=np.zeros((r, size)),
@@ -152,7 +152,7 @@ def exact_room(system: System) -> ExactRoom:
         spring=np.zeros(m),
         dash=np.zeros(m),
         held=np.zeros(m),
-        way=np.zeros(m, dtype=np.int64),
+        direction=np.zeros(m, dtype=np.int64),
         fresh=np.zeros((m, 3), dtype=np.int64),
         here=standing_room(system),
         watched=np.zeros(size),
@@ -206,10 +206,10 @@ def value_and_slope(c: Floats, lead: int, order: int, theta: float) -> tuple[flo
 @kernel
 def stays_positive(c: Floats, lead: int, order: int, coarse: Floats) -> bool:
     """Whether the first coefficients alone show that the polynomial is positive on [0, 1]."""
-    rest, lowest = magnitude(c, lead + COARSE + 1, order), np.inf
+    remainder, lowest = magnitude(c, lead + COARSE + 1, order), np.inf
     for j in range(COARSE + 1):
         lowest = min(lowest, value_of(c[lead:], min(j, order - lead), coarse[j]))
-    return bool(lowest > rest)
+    return bool(lowest > remainder)
 
 
 @kernel
@@ -292,26 +292,26 @@ def crossing(c: Floats, lead: int, order: int, low: float, high: float, at_low: 
 
 
 @kernel
-def settle(system: System, state: State, room: ExactRoom) -> None:
+def settle(system: System, state: State, scratch: ExactWorkspace) -> None:
     """Springs, dashpots and constant forces of the interfaces in the present regime."""
     for a in range(len(system.interfaces)):
         law = system.interfaces[a]
-        room.spring[a], room.dash[a] = 0.0, 0.0
+        scratch.spring[a], scratch.dash[a] = 0.0, 0.0
         if state.status[a] != CLOSED:
-            room.held[a] = 0.0 if law["kind"] == LINK else -law["preload"]
+            scratch.held[a] = 0.0 if law["kind"] == LINK else -law["preload"]
             continue
-        room.spring[a] = law["stiffness"]
+        scratch.spring[a] = law["stiffness"]
         if law["kind"] == LINK:
-            room.dash[a] = law["opening"] if room.way[a] < 0 else law["closing"]
-            room.held[a] = law["preload"] - law["stiffness"] * state.rest[a]
+            scratch.dash[a] = law["opening"] if scratch.direction[a] < 0 else law["closing"]
+            scratch.held[a] = law["preload"] - law["stiffness"] * state.rest[a]
         else:
-            room.dash[a] = law["closing"]
+            scratch.dash[a] = law["closing"]
             # a preload is in balance with the indentation at rest
-            room.held[a] = 0.0 if law["preload"] > 0.0 else law["stiffness"] * law["offset"]
+            scratch.held[a] = 0.0 if law["preload"] > 0.0 else law["stiffness"] * law["offset"]
 
 
 @kernel
-def fastest(system: System, room: ExactRoom) -> tuple[float, float]:
+def fastest(system: System, scratch: ExactWorkspace) -> tuple[float, float]:
     """Bound of the rates [1/s] of a regime, the positive root of x^2 = c x + w^2; and w^2 [1/s^2].
 
     w^2 and c bound the stiffness and the damping over the coordinates of unit mass: the largest of the modes, and k
@@ -320,17 +320,17 @@ def fastest(system: System, room: ExactRoom) -> tuple[float, float]:
     """
     stiffness, damping = system.reach[0], system.reach[1]
     for a in range(len(system.interfaces)):
-        stiffness += room.spring[a] * system.mobility[a]
-        damping += room.dash[a] * system.mobility[a]
+        stiffness += scratch.spring[a] * system.mobility[a]
+        damping += scratch.dash[a] * system.mobility[a]
     return float(0.5 * (damping + np.sqrt(damping * damping + 4.0 * stiffness))), stiffness
 
 
 @kernel
-def load_series(system: System, room: ExactRoom, t: float, h: float, order: int) -> None:
+def load_series(system: System, scratch: ExactWorkspace, t: float, h: float, order: int) -> None:
     """Power series of the loads over a step that no change of their formulas cuts."""
     m = len(system.interfaces)
     for i in range(len(system.loads)):
-        load, out = system.loads[i], room.force[m + i]
+        load, out = system.loads[i], scratch.force[m + i]
         for k in range(order + 1):
             out[k] = 0.0
         middle = t + 0.5 * h
@@ -361,17 +361,17 @@ def load_series(system: System, room: ExactRoom, t: float, h: float, order: int)
 
 
 @summing
-def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: float, order: int) -> None:
+def expand(system: System, state: State, rule: ExactRule, scratch: ExactWorkspace, h: float, order: int) -> None:
     """Power series of coordinates, rows and forces over a step of length h from the state, by the equations of motion.
 
     With y_k = k! z_k, the derivatives, no term is divided by anything: y_(k+2) = h^2 forces_k - (omega h)^2 y_k -
     damping h y_(k+1), and forces_k from the rows' own y_k and y_(k+1).
     """
     if len(system.turn):
-        _expand_oscillators(system, state, rule, room, h, order)
+        _expand_oscillators(system, state, rule, scratch, h, order)
         return
     n, m, r = len(system.omega), len(system.interfaces), len(system.rows)
-    z, place, force, rows, sway, drag = room.z, room.place, room.force, system.rows, room.q, room.v
+    z, place, force, rows, sway, drag = scratch.z, scratch.place, scratch.force, system.rows, scratch.q, scratch.v
     square = h * h
     for i in range(n):
         z[0, i], z[1, i] = state.z[i], state.v[i] * h
@@ -387,9 +387,9 @@ def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: fl
             z[k + 2, i] = sway[i] * z[k, i] + drag[i] * z[k + 1, i]
         for a in range(r):
             if a < m:
-                push = square * room.spring[a] * place[a, k] + h * room.dash[a] * place[a, k + 1]
+                push = square * scratch.spring[a] * place[a, k] + h * scratch.dash[a] * place[a, k + 1]
                 if k == 0:
-                    push += square * room.held[a]
+                    push += square * scratch.held[a]
             else:
                 push = square * force[a, k] / rule.factors[k]
             push *= system.sign[a]
@@ -401,14 +401,24 @@ def expand(system: System, state: State, rule: ExactRule, room: ExactRoom, h: fl
             for i in range(n):
                 total += rows[a, i] * z[k + 2, i]
             place[a, k + 2] = total
-    _from_derivatives(rule, room, m, 1.0 / h, order)
+    _from_derivatives(rule, scratch, m, 1.0 / h, order)
 
 
 @summing
-def _expand_oscillators(system: System, state: State, rule: ExactRule, room: ExactRoom, h: float, order: int) -> None:
+def _expand_oscillators(
+    system: System, state: State, rule: ExactRule, scratch: ExactWorkspace, h: float, order: int
+) -> None:
     """The same of oscillators in place of coupled modes, whose forces act on z' too: z and w = v are series alike."""
     n, m, r = len(system.omega), len(system.interfaces), len(system.rows)
-    z, w, place, rate, force, rows, tilts = room.z, room.w, room.place, room.rate, room.force, system.rows, system.tilts
+    z, w, place, rate, force, rows, tilts = (
+        scratch.z,
+        scratch.w,
+        scratch.place,
+        scratch.rate,
+        scratch.force,
+        system.rows,
+        system.tilts,
+    )
     for i in range(n):
         z[0, i], w[0, i] = state.z[i], state.v[i]
     for k in range(order + 1):
@@ -421,9 +431,9 @@ def _expand_oscillators(system: System, state: State, rule: ExactRule, room: Exa
                 speed += rows[a, i] * v - tilts[a, i] * turning
             place[a, k], rate[a, k] = here, speed
             if a < m:
-                force[a, k] = room.spring[a] * here + room.dash[a] * speed
+                force[a, k] = scratch.spring[a] * here + scratch.dash[a] * speed
                 if k == 0:
-                    force[a, 0] += room.held[a]
+                    force[a, 0] += scratch.held[a]
         if k == order:
             return
         part = h * rule.factors[k + 1] / rule.factors[k]
@@ -439,9 +449,9 @@ def _expand_oscillators(system: System, state: State, rule: ExactRule, room: Exa
 
 
 @kernel
-def _from_derivatives(rule: ExactRule, room: ExactRoom, m: int, pace: float, order: int) -> None:
+def _from_derivatives(rule: ExactRule, scratch: ExactWorkspace, m: int, pace: float, order: int) -> None:
     """Power series from the derivatives of coordinates and rows; rates and forces from them. pace : 1 / h."""
-    z, place, rate, force = room.z, room.place, room.rate, room.force
+    z, place, rate, force = scratch.z, scratch.place, scratch.rate, scratch.force
     for k in range(2, order + 1):
         for i in range(z.shape[1]):
             z[k, i] *= rule.factors[k]
@@ -453,30 +463,30 @@ def _from_derivatives(rule: ExactRule, room: ExactRoom, m: int, pace: float, ord
             place[a, k] *= rule.factors[k]
     for a in range(m):
         for k in range(order + 1):
-            force[a, k] = room.spring[a] * place[a, k] + room.dash[a] * rate[a, k]
-        force[a, 0] += room.held[a]
+            force[a, k] = scratch.spring[a] * place[a, k] + scratch.dash[a] * rate[a, k]
+        force[a, 0] += scratch.held[a]
 
 
 @kernel
-def shorten(room: ExactRoom, order: int, part: float) -> None:
+def shorten(scratch: ExactWorkspace, order: int, part: float) -> None:
     """The series of a part of the step: the step ends there."""
     power = 1.0
     for k in range(1, order + 1):
         power *= part
-        for i in range(room.z.shape[1]):
-            room.z[k, i] *= power
-        for i in range(room.w.shape[1]):
-            room.w[k, i] *= power
-        for a in range(len(room.place)):
-            room.place[a, k] *= power
-            room.rate[a, k] *= power
-            room.force[a, k] *= power
+        for i in range(scratch.z.shape[1]):
+            scratch.z[k, i] *= power
+        for i in range(scratch.w.shape[1]):
+            scratch.w[k, i] *= power
+        for a in range(len(scratch.place)):
+            scratch.place[a, k] *= power
+            scratch.rate[a, k] *= power
+            scratch.force[a, k] *= power
 
 
 @summing
-def evaluate(room: ExactRoom, h: float, order: int, theta: float) -> None:
-    """Coordinates and rates at a part of the step, into room.q and room.v."""
-    z, w, q, v = room.z, room.w, room.q, room.v
+def evaluate(scratch: ExactWorkspace, h: float, order: int, theta: float) -> None:
+    """Coordinates and rates at a part of the step, into scratch.q and scratch.v."""
+    z, w, q, v = scratch.z, scratch.w, scratch.q, scratch.v
     if len(w):
         for i in range(len(q)):
             q[i], v[i] = z[order, i], w[order, i]
@@ -533,23 +543,25 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
         lead = 1
         while lead <= order and abs(c[lead]) <= small:
             lead += 1
-    rest = magnitude(c, lead + 1, order)
-    while lead <= order and abs(c[lead]) <= AT_ONCE * rest and _outgrown(c, lead, order):
+    remainder = magnitude(c, lead + 1, order)
+    while lead <= order and abs(c[lead]) <= AT_ONCE * remainder and _outgrown(c, lead, order):
         lead += 1
         while lead <= order and abs(c[lead]) <= small:
             lead += 1
-        rest = magnitude(c, lead + 1, order)
+        remainder = magnitude(c, lead + 1, order)
     if lead > order:
         return NEVER, 0
     if c[lead] < 0.0:
         return 0.0, lead
-    if c[lead] > rest or stays_positive(c, lead, order, rule.coarse):
+    if c[lead] > remainder or stays_positive(c, lead, order, rule.coarse):
         return NEVER, 0
     return first_descent(c, lead, order, rule.bernstein, boxes, spans), order + 1
 
 
 @kernel
-def weigh_rounding(system: System, state: State, h: float, before: float, stiff: float, room: ExactRoom) -> None:
+def weigh_rounding(
+    system: System, state: State, h: float, before: float, stiff: float, scratch: ExactWorkspace
+) -> None:
     """What rounding leaves unknown of the interfaces in a step of length h, into room.terms.
 
     before [s] : the longer of this step and the last one, whose end is known to the rounding of its own series only.
@@ -560,41 +572,45 @@ def weigh_rounding(system: System, state: State, h: float, before: float, stiff:
     shake = 0.0  # acceleration by the rounding of what springs and dashpots see: no contact closes or opens for it
     for a in range(len(system.interfaces)):
         still, moving = terms_of(system, a, state.z, state.v), terms_of_rate(system, a, state.z, state.v)
-        room.terms[a, STILL], room.terms[a, MOVING], room.terms[a, ROOT] = still, moving, np.sqrt(system.mobility[a])
-        held = room.spring[a] * (still + before * moving + abs(system.interfaces[a]["offset"]))
-        lost = room.dash[a] * (moving + 2.0 * stiff * still)
-        shake += DISPLACEMENT_ROUNDING * room.terms[a, ROOT] * (held + lost)
+        scratch.terms[a, STILL], scratch.terms[a, MOVING], scratch.terms[a, ROOT] = (
+            still,
+            moving,
+            np.sqrt(system.mobility[a]),
+        )
+        held = scratch.spring[a] * (still + before * moving + abs(system.interfaces[a]["offset"]))
+        lost = scratch.dash[a] * (moving + 2.0 * stiff * still)
+        shake += DISPLACEMENT_ROUNDING * scratch.terms[a, ROOT] * (held + lost)
     for a in range(len(system.interfaces)):
-        still, moving = room.terms[a, STILL], room.terms[a, MOVING]
+        still, moving = scratch.terms[a, STILL], scratch.terms[a, MOVING]
         noise = DISPLACEMENT_ROUNDING * (still + before * moving + abs(system.interfaces[a]["offset"]))
         noise_rate = DISPLACEMENT_ROUNDING * (moving + 2.0 * stiff * still)
-        shaken = h * h * room.terms[a, ROOT] * shake
-        room.terms[a, NOISE], room.terms[a, NOISE_RATE] = noise, noise_rate
-        room.terms[a, SMALL] = DISPLACEMENT_ROUNDING * (4.0 * still + h * moving) + shaken
-        room.terms[a, SMALL_RATE] = h * (2.0 * (stiff * noise + noise_rate)) + shaken
+        shaken = h * h * scratch.terms[a, ROOT] * shake
+        scratch.terms[a, NOISE], scratch.terms[a, NOISE_RATE] = noise, noise_rate
+        scratch.terms[a, SMALL] = DISPLACEMENT_ROUNDING * (4.0 * still + h * moving) + shaken
+        scratch.terms[a, SMALL_RATE] = h * (2.0 * (stiff * noise + noise_rate)) + shaken
 
 
 @kernel
 def watch(
-    system: System, state: State, order: int, h: float, rule: ExactRule, room: ExactRoom
+    system: System, state: State, order: int, h: float, rule: ExactRule, scratch: ExactWorkspace
 ) -> tuple[float, int, int]:
     """The first change in the step: where (NEVER: none), of which interface, and what crossed zero.
 
     Of several changes at one place the one with the lowest leading order comes first: the others depend on it.
     """
-    where, rank, who, what = NEVER, order + 2, -1, -1
+    where, rank, interface, what = NEVER, order + 2, -1, -1
     for a in range(len(system.interfaces)):
         for kind in range(4):
             if not _decides(system, state, a, kind):
                 continue
-            doubt, lesser = _condition(system, state, room, a, kind, order, h)
-            fresh = 0 if kind == EXCESS else room.fresh[a, kind]
+            doubt, lesser = _condition(system, state, scratch, a, kind, order, h)
+            fresh = 0 if kind == EXCESS else scratch.fresh[a, kind]
             at, order_here = judge(
-                room.watched, order, doubt, lesser, fresh, rule=rule, boxes=room.boxes, spans=room.spans
+                scratch.watched, order, doubt, lesser, fresh, rule=rule, boxes=scratch.boxes, spans=scratch.spans
             )
             if at < where or (at == where and at < NEVER and order_here < rank):
-                where, rank, who, what = at, order_here, a, kind
-    return where, who, what
+                where, rank, interface, what = at, order_here, a, kind
+    return where, interface, what
 
 
 @kernel
@@ -613,48 +629,48 @@ def _decides(system: System, state: State, a: int, kind: int) -> bool:
 
 @kernel
 def _condition(
-    system: System, state: State, room: ExactRoom, a: int, kind: int, order: int, h: float
+    system: System, state: State, scratch: ExactWorkspace, a: int, kind: int, order: int, h: float
 ) -> tuple[float, float]:
     """The polynomial that must not become negative, into room.watched; returns the rounding of its value and of its
     other coefficients."""
-    law, c = system.interfaces[a], room.watched
-    doubt, lesser = room.terms[a, NOISE], room.terms[a, SMALL]
+    law, c = system.interfaces[a], scratch.watched
+    doubt, lesser = scratch.terms[a, NOISE], scratch.terms[a, SMALL]
     if kind == SPEED:
-        by_place, by_rate, constant = 0.0, -h if room.way[a] < 0 else h, 0.0
-        doubt, lesser = h * room.terms[a, NOISE_RATE], room.terms[a, SMALL_RATE]
+        by_place, by_rate, constant = 0.0, -h if scratch.direction[a] < 0 else h, 0.0
+        doubt, lesser = h * scratch.terms[a, NOISE_RATE], scratch.terms[a, SMALL_RATE]
     elif kind == INDENTATION:
         by_place, by_rate = -1.0 if state.status[a] == OPEN else 1.0, 0.0
         constant = by_place * law["offset"]
     else:
-        pushes = state.status[a] == CLOSED if kind == FORCE else room.here.loaded[a] > 0.0
+        pushes = state.status[a] == CLOSED if kind == FORCE else scratch.here.loaded[a] > 0.0
         side = 1.0 if pushes else -1.0
         by_place, by_rate = side * law["stiffness"], side * law["closing"]
-        doubt = law["stiffness"] * room.terms[a, NOISE] + law["closing"] * room.terms[a, NOISE_RATE]
+        doubt = law["stiffness"] * scratch.terms[a, NOISE] + law["closing"] * scratch.terms[a, NOISE_RATE]
         if kind == FORCE:
             constant = by_place * law["offset"]
-            lesser = (law["stiffness"] + law["closing"] / h) * room.terms[a, SMALL]
+            lesser = (law["stiffness"] + law["closing"] / h) * scratch.terms[a, SMALL]
         else:
             constant, doubt, lesser = max(PRELOAD * law["preload"], doubt), 0.0, 0.0
     for k in range(order + 1):
-        c[k] = by_place * room.place[a, k] + by_rate * room.rate[a, k]
+        c[k] = by_place * scratch.place[a, k] + by_rate * scratch.rate[a, k]
     c[0] += constant
     return doubt, lesser
 
 
 @kernel
-def switch(system: System, state: State, room: ExactRoom, a: int, what: int, before: float) -> None:
-    """Let interface a do what follows from a condition at zero; its row is in room.here."""
+def switch(system: System, state: State, scratch: ExactWorkspace, a: int, what: int, before: float) -> None:
+    """Let interface a do what follows from a condition at zero; its row is in scratch.here."""
     law = system.interfaces[a]
     if what != EXCESS:
-        room.fresh[a, what] = 1
+        scratch.fresh[a, what] = 1
     if what == SPEED:
-        room.way[a] = 1 if room.way[a] < 0 else -1
+        scratch.direction[a] = 1 if scratch.direction[a] < 0 else -1
     elif what == EXCESS:
-        room.here.loaded[a] = 1.0 - room.here.loaded[a]
+        scratch.here.loaded[a] = 1.0 - scratch.here.loaded[a]
     elif what == INDENTATION:
         state.status[a] = CLOSED if state.status[a] == OPEN else OPEN
     elif state.status[a] == CLOSED:
-        depth = room.here.place[a] + law["offset"]
+        depth = scratch.here.place[a] + law["offset"]
         margin = DISPLACEMENT_ROUNDING * (
             terms_of(system, a, state.z, state.v) + before * terms_of_rate(system, a, state.z, state.v) + law["offset"]
         )
@@ -663,9 +679,9 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
         state.status[a] = CLOSED
     if law["kind"] != LINK:
         if state.status[a] != CLOSED:
-            room.here.loaded[a] = 0.0
+            scratch.here.loaded[a] = 0.0
         elif law["preload"] == 0.0:
-            room.here.loaded[a] = 1.0
+            scratch.here.loaded[a] = 1.0
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -674,28 +690,30 @@ def switch(system: System, state: State, room: ExactRoom, a: int, what: int, bef
 
 
 @kernel
-def integrate_step(system: System, state: State, h: float, order: int, rule: ExactRule, room: ExactRoom) -> None:
+def integrate_step(
+    system: System, state: State, h: float, order: int, rule: ExactRule, scratch: ExactWorkspace
+) -> None:
     """Add what dashpots took and loads gave over a step, by Gauss's rule on the squares of polynomials."""
     m, k_modes = len(system.interfaces), system.n_modes
-    lost, z, v = room.here.lost, room.z, room.v
+    lost, z, v = scratch.here.lost, scratch.z, scratch.v
     for a in range(m):
         law = system.interfaces[a]
-        if state.status[a] == CLOSED and room.dash[a] > 0.0:
+        if state.status[a] == CLOSED and scratch.dash[a] > 0.0:
             for g in range(GAUSS):
-                speed = value_of(room.rate[a], order, rule.at_nodes[g])
-                lost[a] += h * rule.weights[g] * room.dash[a] * speed * speed
+                speed = value_of(scratch.rate[a], order, rule.at_nodes[g])
+                lost[a] += h * rule.weights[g] * scratch.dash[a] * speed * speed
         elif state.status[a] == CLAMPED:  # the spring drives its own dashpot, without force to the outside
             for g in range(GAUSS):
-                depth = value_of(room.place[a], order, rule.at_nodes[g]) + law["offset"]
-                speed = value_of(room.rate[a], order, rule.at_nodes[g])
+                depth = value_of(scratch.place[a], order, rule.at_nodes[g]) + law["offset"]
+                speed = value_of(scratch.rate[a], order, rule.at_nodes[g])
                 lost[a] -= h * rule.weights[g] * law["stiffness"] * max(depth, 0.0) * speed
     for a in range(m, len(system.rows)):
-        if room.force[a, 0] != 0.0 or room.force[a, 1] != 0.0:
+        if scratch.force[a, 0] != 0.0 or scratch.force[a, 1] != 0.0:
             for g in range(GAUSS):
-                force = value_of(room.force[a], order, rule.at_nodes[g])
-                lost[m + WORK] += h * rule.weights[g] * force * value_of(room.rate[a], order, rule.at_nodes[g])
+                force = value_of(scratch.force[a], order, rule.at_nodes[g])
+                lost[m + WORK] += h * rule.weights[g] * force * value_of(scratch.rate[a], order, rule.at_nodes[g])
     if len(system.turn):
-        _give(system, h, order, rule, room)
+        _give(system, h, order, rule, scratch)
         return
     if system.reach[1] == 0.0:  # no mode has damping
         return
@@ -712,52 +730,52 @@ def integrate_step(system: System, state: State, h: float, order: int, rule: Exa
 
 
 @kernel
-def _give(system: System, h: float, order: int, rule: ExactRule, room: ExactRoom) -> None:
+def _give(system: System, h: float, order: int, rule: ExactRule, scratch: ExactWorkspace) -> None:
     """Add the work of all rows on coupled modes: their forces times their velocities, less those of the bodies."""
     m, k_modes, n = len(system.interfaces), system.n_modes, len(system.omega)
     for g in range(GAUSS):
         power = 0.0
         for a in range(len(system.rows)):
-            force = system.sign[a] * value_of(room.force[a], order, rule.at_nodes[g])
+            force = system.sign[a] * value_of(scratch.force[a], order, rule.at_nodes[g])
             if force != 0.0:
-                power += force * value_of(room.rate[a], order, rule.at_nodes[g])
+                power += force * value_of(scratch.rate[a], order, rule.at_nodes[g])
                 for i in range(k_modes, n):
                     if system.rows[a, i] != 0.0:
                         speed = 0.0
                         for k in range(order, -1, -1):
-                            speed = speed * rule.nodes[g] + room.w[k, i]
+                            speed = speed * rule.nodes[g] + scratch.w[k, i]
                         power -= force * system.rows[a, i] * speed
-        room.here.lost[m + GIVEN] += h * rule.weights[g] * power
+        scratch.here.lost[m + GIVEN] += h * rule.weights[g] * power
 
 
 @kernel
-def peaks_of_step(system: System, state: State, t: float, h: float, order: int, rule: ExactRule, room: ExactRoom,
-                  record: RunRecord) -> None:  # fmt: skip
+def peaks_of_step(system: System, state: State, t: float, h: float, order: int, rule: ExactRule,
+                  scratch: ExactWorkspace, record: RunRecord) -> None:  # fmt: skip
     """Raise the largest force and indentation of each closed contact to those in the step."""
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] == LINK or state.status[a] != CLOSED:
             continue
         preload, offset = system.interfaces[a]["preload"], system.interfaces[a]["offset"]
-        depth, where = largest(room.place[a], record.deepest[a] - offset, order, rule, room.watched)
+        depth, where = largest(scratch.place[a], record.deepest[a] - offset, order, rule, scratch.watched)
         if where >= 0.0:
             record.deepest[a] = depth + offset
-        if room.dash[a] > 0.0:
-            force, where = largest(room.force[a], record.peak[a, PEAK] - preload, order, rule, room.watched)
+        if scratch.dash[a] > 0.0:
+            force, where = largest(scratch.force[a], record.peak[a, PEAK] - preload, order, rule, scratch.watched)
         else:  # the spring's force is largest where it is deepest
-            force = room.spring[a] * depth + room.held[a]
+            force = scratch.spring[a] * depth + scratch.held[a]
         if where >= 0.0:
             record.peak[a, PEAK], record.peak[a, PEAK_AT] = force + preload, t + where * h
 
 
 @kernel
-def travels_of_step(system: System, order: int, rule: ExactRule, room: ExactRoom, record: RunRecord) -> None:
+def travels_of_step(system: System, order: int, rule: ExactRule, scratch: ExactWorkspace, record: RunRecord) -> None:
     """Raise the largest displacement of each body, either way, to that in the step."""
-    path = room.boxes[0]
+    path = scratch.boxes[0]
     for b in range(len(record.travel)):
         for k in range(order + 1):
-            path[k] = room.z[k, system.n_modes + b]
+            path[k] = scratch.z[k, system.n_modes + b]
         for _ in range(2):
-            record.travel[b] = largest(path, record.travel[b], order, rule, room.watched)[0]
+            record.travel[b] = largest(path, record.travel[b], order, rule, scratch.watched)[0]
             for k in range(order + 1):
                 path[k] = -path[k]
 
@@ -807,52 +825,52 @@ class ExactSteps(NamedTuple):
 
 
 @unit(seconds=11.0)
-def exact_march(
-    system: System, state: State, rule: ExactRule, room: ExactRoom, record: RunRecord, steps: ExactSteps
+def integrate_exactly(
+    system: System, state: State, rule: ExactRule, scratch: ExactWorkspace, record: RunRecord, steps: ExactSteps
 ) -> int:
     """Run to the end; returns how it ended; when, and the numbers of ledger rows and events, are in record.ended.
 
     A record without samples keeps the first and the last ledger row only.
     """
-    history, samples, here, end = record.history, len(record.at), room.here, steps.end
-    _begin(system, state, room)
-    initial = open_books(system, state, here, record)
+    history, samples, here, end = record.history, len(record.at), scratch.here, steps.end
+    _begin(system, state, scratch)
+    initial = start_ledger(system, state, here, record)
     kept, n_events, kink, at_once = 1, 0, 0, 0
     t, last, before, earlier = 0.0, 0.0, 0.0, 0.0
     while t < end:
-        how = goes_on(record, steps.max_steps)
+        how = may_continue(record, steps.max_steps)
         if how != DONE:
             return ended(record, how, t, kept, n_events)
-        settle(system, state, room)
+        settle(system, state, scratch)
         kink = _next_kink(system, kink, t)
         limit = min(end, system.kinks[kink] * system.tick) if kink < len(system.kinks) else end
         acting, fastest_load = _acting(system, t + 0.5 * min(limit - t, steps.interval))
-        bound, stiffness = fastest(system, room)
+        bound, stiffness = fastest(system, scratch)
         bound = max(bound, fastest_load)
         stiff = stiffness / bound if bound > 0.0 else 0.0
         h = _length(limit - t, bound, min(steps.longest, steps.interval if acting else np.inf))
         order = _order(rule, bound * h)
-        weigh_rounding(system, state, h, max(before, h), max(earlier, stiff), room)
+        weigh_rounding(system, state, h, max(before, h), max(earlier, stiff), scratch)
         fresh = before == 0.0 or at_once > 0
-        where, who, what = _first_change(system, state, rule, room, order, t=t, h=h, fresh=fresh)
+        where, interface, what = _first_change(system, state, rule, scratch, order, t=t, h=h, fresh=fresh)
         part = min(where, 1.0)
         now = limit if where == NEVER and h == limit - t else t + part * h
         if now > t or part > 0.0:
-            _keep_samples(state, room, record, order, t=t, now=now, h=h, interval=steps.interval)
-            _take_step(system, state, rule, room, record, order, t=t, h=h, part=part)
+            _keep_samples(state, scratch, record, order, t=t, now=now, h=h, interval=steps.interval)
+            _take_step(system, state, rule, scratch, record, order, t=t, h=h, part=part)
             before, earlier = h, stiff
         at_once = at_once + 1 if now == t else 0
         if at_once > 100 + 10 * len(system.interfaces):
             return ended(record, STICKS, t, kept, n_events)
         _keep_late(t, now, system, state, record)
         t = now
-        _look(system, state, room)
+        _look(system, state, scratch)
         if where < NEVER:
-            switch(system, state, room, who, what, before)
-        _release(system, state, room, t)
+            switch(system, state, scratch, interface, what, before)
+        _release(system, state, scratch, t)
         touching, changed = _touches(here, record)
-        told, row = samples or changed or t >= end, history[kept]
-        if told and not balance_books(t, initial, system, state, here, row, record):
+        recorded, row = samples or changed or t >= end, history[kept]
+        if recorded and not balance_ledger_row(t, initial, system, state, here, row, record):
             return ended(record, NO_FORCES, t, kept, n_events)
         record.totals[STEPS] += 1.0
         n_events = log_changes(t, system, state, here.loaded, row, n_events, record)
@@ -860,7 +878,7 @@ def exact_march(
             return ended(record, TOO_MANY_EVENTS, t, kept, len(record.events))
         busy = (acting or touching) and t - last >= steps.interval * (1.0 - 1e-9)
         if t >= end or (samples and (busy or t - last >= 0.5 * steps.longest)):
-            keep_row(kept, state, record)
+            store_row(kept, state, record)
             kept += 1
             last = t
     return ended(record, DONE, t, kept, settle_events(record, n_events, len(system.interfaces)))
@@ -906,49 +924,49 @@ def _order(rule: ExactRule, turned: float) -> int:
 
 
 @kernel
-def _first_change(system: System, state: State, rule: ExactRule, room: ExactRoom, order: int, t: float, h: float,
-                  fresh: bool) -> tuple[float, int, int]:  # fmt: skip
+def _first_change(system: System, state: State, rule: ExactRule, scratch: ExactWorkspace, order: int, t: float,
+                  h: float, fresh: bool) -> tuple[float, int, int]:  # fmt: skip
     """The series of a step, and the first change in it. fresh : whether something switched at this very instant, or the
     run begins: what then switches shows in the first terms, and most need no more of them."""
     first = fresh
     while True:
         terms = SHORT if first else order
-        load_series(system, room, t, h, terms)
-        expand(system, state, rule, room, h, terms)
-        where, who, what = watch(system, state, terms, h, rule, room)
+        load_series(system, scratch, t, h, terms)
+        expand(system, state, rule, scratch, h, terms)
+        where, who, what = watch(system, state, terms, h, rule, scratch)
         if not first or where == 0.0:
             return where, who, what
         first = False
 
 
 @kernel
-def _keep_samples(state: State, room: ExactRoom, record: RunRecord, order: int, t: float, now: float, h: float,
+def _keep_samples(state: State, scratch: ExactWorkspace, record: RunRecord, order: int, t: float, now: float, h: float,
                   interval: float) -> None:  # fmt: skip
     """Keep the states at all samples from t until now, from the series of the step of length h."""
     while record.kept[0] < len(record.at) and record.kept[0] * interval < now:
         s = record.kept[0]
-        evaluate(room, h, order, (s * interval - t) / h)
+        evaluate(scratch, h, order, (s * interval - t) / h)
         record.at[s], record.doublings[s] = s, 0
-        copy_to(record.z[s], room.q)
-        copy_to(record.v[s], room.v)
+        copy_to(record.z[s], scratch.q)
+        copy_to(record.v[s], scratch.v)
         for a in range(len(state.status)):
             record.status[s, a] = state.status[a]
         record.kept[0] += 1
 
 
 @kernel
-def _take_step(system: System, state: State, rule: ExactRule, room: ExactRoom, record: RunRecord, order: int, t: float,
-               h: float, part: float) -> None:  # fmt: skip
+def _take_step(system: System, state: State, rule: ExactRule, scratch: ExactWorkspace, record: RunRecord, order: int,
+               t: float, h: float, part: float) -> None:  # fmt: skip
     """Go to the end of a part of the step: what it dissipates, its peaks, events that count, and the state there."""
     if part < 1.0:
-        shorten(room, order, part)
-    integrate_step(system, state, part * h, order, rule, room)
-    peaks_of_step(system, state, t, part * h, order, rule=rule, room=room, record=record)
-    travels_of_step(system, order, rule, room, record)
-    _confirm_step(system, state, order, rule, room, record)
-    evaluate(room, part * h, order, 1.0)
-    move_to(state.z, state.v, room.q, room.v)
-    room.fresh[:] = 0
+        shorten(scratch, order, part)
+    integrate_step(system, state, part * h, order, rule, scratch)
+    peaks_of_step(system, state, t, part * h, order, rule=rule, scratch=scratch, record=record)
+    travels_of_step(system, order, rule, scratch, record)
+    _confirm_step(system, state, order, rule, scratch, record)
+    evaluate(scratch, part * h, order, 1.0)
+    move_to(state.z, state.v, scratch.q, scratch.v)
+    scratch.fresh[:] = 0
 
 
 @kernel
@@ -969,29 +987,29 @@ def _touches(here: Standing, record: RunRecord) -> tuple[bool, bool]:
 
 
 @kernel
-def _begin(system: System, state: State, room: ExactRoom) -> None:
+def _begin(system: System, state: State, scratch: ExactWorkspace) -> None:
     """Preloaded contacts and links without a release time act, but for contacts whose dashpot would pull: their clamp
     holds; every other contact is open, touching or not, and closes at once when the leading derivative of its
     indentation says so."""
-    room.here.lost[:] = 0.0
-    room.here.loaded[:] = 0.0
-    room.fresh[:] = 0
+    scratch.here.lost[:] = 0.0
+    scratch.here.loaded[:] = 0.0
+    scratch.fresh[:] = 0
     for a in range(len(system.interfaces)):
         state.status[a] = OPEN
         if system.interfaces[a]["kind"] != LINK and system.interfaces[a]["preload"] > 0.0:
             state.status[a] = CLOSED
-    _look(system, state, room)
+    _look(system, state, scratch)
     for a in range(len(system.interfaces)):
         law = system.interfaces[a]
         if state.status[a] == CLOSED and law["tensile"] == 0:
-            force = law["stiffness"] * (room.here.place[a] + law["offset"]) + law["closing"] * room.here.rate[a]
+            force = law["stiffness"] * (scratch.here.place[a] + law["offset"]) + law["closing"] * scratch.here.rate[a]
             if force < 0.0:
                 state.status[a] = CLAMPED
-    _release(system, state, room, 0.0)
+    _release(system, state, scratch, 0.0)
 
 
 @kernel
-def _look(system: System, state: State, room: ExactRoom) -> None:
+def _look(system: System, state: State, scratch: ExactWorkspace) -> None:
     """Displacements and velocities of all rows."""
     for a in range(len(system.rows)):
         place, rate = 0.0, 0.0
@@ -1002,36 +1020,36 @@ def _look(system: System, state: State, room: ExactRoom) -> None:
             turning = system.omega[i] * system.omega[i] * state.z[i] + system.damping[i] * state.v[i]
             place += system.tilts[a, i] * state.v[i]
             rate -= system.tilts[a, i] * turning
-        room.here.place[a], room.here.rate[a] = place, rate
+        scratch.here.place[a], scratch.here.rate[a] = place, rate
 
 
 @kernel
-def _release(system: System, state: State, room: ExactRoom, t: float) -> None:
+def _release(system: System, state: State, scratch: ExactWorkspace, t: float) -> None:
     """Links whose time has come act, from the elongation they have."""
     for a in range(len(system.interfaces)):
         law = system.interfaces[a]
         if law["kind"] == LINK and state.status[a] == OPEN and law["release"] * system.tick <= t:
-            state.status[a], state.rest[a] = CLOSED, room.here.place[a]
-            room.way[a] = -1 if room.here.rate[a] < 0.0 else 1
+            state.status[a], state.rest[a] = CLOSED, scratch.here.place[a]
+            scratch.direction[a] = -1 if scratch.here.rate[a] < 0.0 else 1
 
 
 @kernel
 def _confirm_step(
-    system: System, state: State, order: int, rule: ExactRule, room: ExactRoom, record: RunRecord
+    system: System, state: State, order: int, rule: ExactRule, scratch: ExactWorkspace, record: RunRecord
 ) -> None:
-    """Let the events count whose contacts move beyond rounding in this step; room.terms has what they are summed from
-    at its start."""
+    """Let the events count whose contacts move beyond rounding in this step; scratch.terms has what they are summed
+    from at its start."""
     for a in range(len(system.interfaces)):
         if system.interfaces[a]["kind"] == LINK:
             continue
         offset = system.interfaces[a]["offset"]
-        record.size[a, OF_PLACE] = max(record.size[a, OF_PLACE], room.terms[a, STILL] + abs(offset))
-        record.size[a, OF_SPEED] = max(record.size[a, OF_SPEED], room.terms[a, MOVING])
+        record.size[a, OF_PLACE] = max(record.size[a, OF_PLACE], scratch.terms[a, STILL] + abs(offset))
+        record.size[a, OF_SPEED] = max(record.size[a, OF_SPEED], scratch.terms[a, MOVING])
         if record.newest[a] >= 0:
             for p in range(1, PROBES + 1):
-                place = value_of(room.place[a], order, rule.at_probes[p])
+                place = value_of(scratch.place[a], order, rule.at_probes[p])
                 record.size[a, OF_PLACE] = max(record.size[a, OF_PLACE], abs(place))  # these steps are long
-                speed = value_of(room.rate[a], order, rule.at_probes[p])
+                speed = value_of(scratch.rate[a], order, rule.at_probes[p])
                 if confirm(system, state, a, place + offset, speed, record):
                     break
 
@@ -1043,7 +1061,7 @@ def _confirm_step(
 MOST_STEPS = 3000
 
 
-def takes_exact_march(system: System, duration: float) -> bool:
+def is_piecewise_linear(system: System, duration: float) -> bool:
     """Whether a system is piecewise linear and its exact march, of THETA / (largest rate) a step, is no slower one.
 
     Every law must be linear in each of its states, every load a constant, a half-sine or straight lines that comes

@@ -139,7 +139,7 @@ def counted(
     channel: str, unit: str, history: Floats, line: SNLine | None, on: str = "", alone: Floats | None = None
 ) -> Fatigue:
     """Rainflow cycles of a history [nt] [unit] and what they do by an S-N line. alone : without residual vectors."""
-    found = _told(channel, unit, rainflow_cycles(history), line, on)
+    found = _fatigue_of(channel, unit, rainflow_cycles(history), line, on)
     return found if alone is None else _beside_modes_alone(found, rainflow_cycles(alone), line)
 
 
@@ -163,7 +163,7 @@ def counted_on_planes(
     normals = normals_of(components)
     worst = _worst_plane(plane_weights(normals, components) @ stresses, line, -np.inf)
     assert worst is not None  # there are planes
-    found = _told(channel, "Pa", worst[2], line, f"{place}, {plane(normals[worst[1]], axes)}")
+    found = _fatigue_of(channel, "Pa", worst[2], line, f"{place}, {plane(normals[worst[1]], axes)}")
     if uneven > 0.0 and line is not None:
         smaller = worst[2]._replace(ranges=(1.0 - uneven) * worst[2].ranges)
         found = replace(found, damage_beside=smaller.damage(line))
@@ -232,7 +232,7 @@ def _beside_modes_alone(found: Fatigue, alone: Cycles, line: SNLine | None) -> F
     return replace(found, largest_modes_alone=alone.largest, damage_modes_alone=damage)
 
 
-def _told(channel: str, unit: str, cycles: Cycles, line: SNLine | None, on: str) -> Fatigue:
+def _fatigue_of(channel: str, unit: str, cycles: Cycles, line: SNLine | None, on: str) -> Fatigue:
     largest = cycles.largest
     ends = largest * np.arange(1, BINS + 1) / BINS
     which = np.minimum(np.searchsorted(ends, cycles.ranges * (1.0 - 1e-12)), BINS - 1)

@@ -73,7 +73,7 @@ def sampled_motion(z: Floats, v: Floats, system: System | None = None) -> Motion
     )
 
 
-def only(motion: Motion, which: Integers) -> Motion:
+def uncoupled_motion(motion: Motion, which: Integers) -> Motion:
     """The motion of some coordinates that nothing couples, in the order given."""
     return motion._replace(
         z=np.ascontiguousarray(motion.z[:, which]),
@@ -87,7 +87,7 @@ def only(motion: Motion, which: Integers) -> Motion:
 def modal_motion(motion: Motion, what: int, modes: Integers) -> Floats:
     """Displacement or velocity of some modes at all samples [len(modes), nt]."""
     if not motion.turn.size:
-        return coordinates(only(motion, modes), what, 0, len(modes))
+        return coordinates(uncoupled_motion(motion, modes), what, 0, len(modes))
     (found,) = _of_oscillators(motion, modes, (what,))
     return found
 
@@ -177,18 +177,18 @@ def _as_they_are(motion: Motion, what: int, first: int, last: int) -> Floats:
     return out
 
 
-def along(motion: Motion, what: int, rows: Floats) -> Floats:
+def weighted_motion(motion: Motion, what: int, rows: Floats) -> Floats:
     """Displacement or velocity of weighted sums of the first coordinates, modes, then bodies, rows [p, K], at all
     samples [p, nt]."""
     if not motion.turn.size:
-        return seen(motion, what, rows, rows[:0])
+        return row_motion(motion, what, rows, rows[:0])
     k = motion.turn.shape[1]
     places, tilts = (rows[:, :k] @ part for part in motion.turn[:2])
     own = rows[:, k:]
-    return seen(motion, what, np.hstack([places, own]), np.hstack([tilts, np.zeros_like(own)]))
+    return row_motion(motion, what, np.hstack([places, own]), np.hstack([tilts, np.zeros_like(own)]))
 
 
-def seen(motion: Motion, what: int, rows: Floats, tilts: Floats) -> Floats:
+def row_motion(motion: Motion, what: int, rows: Floats, tilts: Floats) -> Floats:
     """The same of rows over the coordinates of the motion [p, k], whose displacement is rows . z + tilts . v; without
     tilts where nothing is coupled."""
     at_z, at_v = rows, tilts

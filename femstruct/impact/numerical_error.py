@@ -23,23 +23,23 @@ from femstruct.impact.contact_events import (
     MOST_EVENTS,
     TOO_MANY_EVENTS,
     RunRecord,
-    room_for,
+    empty_record,
     settle_events,
 )
 from femstruct.impact.energies import TIME
 from femstruct.impact.exact import (
     THETA,
     ExactSteps,
-    exact_march,
-    exact_room,
     exact_rule,
+    exact_workspace,
+    integrate_exactly,
+    is_piecewise_linear,
     largest_rate,
-    takes_exact_march,
 )
 from femstruct.impact.propagation import Tables, collocation_rule, tabulated
 from femstruct.impact.response import Response
 from femstruct.impact.scene import Scene
-from femstruct.impact.simulate import run_aside
+from femstruct.impact.simulate import run_in_thread
 from femstruct.impact.system import Compiled, compile_scene
 from femstruct.reported import Reported
 from femstruct.tags import stored_as
@@ -119,7 +119,7 @@ def error_of(response: Response) -> ErrorEstimate:
     (True, True)
     """
     compiled = compile_scene(response.basis, response.scene, response.clock)
-    if takes_exact_march(compiled.system, compiled.n_samples / response.clock.sampling):
+    if is_piecewise_linear(compiled.system, compiled.n_samples / response.clock.sampling):
         none = tabulated(compiled.system, 0, collocation_rule())
         others = [_Again(compiled, response.scene, none, None, shorter=part) for part in SHORTER]
         own = others[0].with_first(_of(response))
@@ -179,7 +179,7 @@ class _Again:
 
     def run(self) -> _Run:
         """The whole window."""
-        return self.with_first(self._march(MOST_EVENTS))
+        return self.with_first(self._integrate(MOST_EVENTS))
 
     def with_first(self, whole: _Run) -> _Run:
         """The same run and its first peaks; peaks are those since the start, so they may take a shorter march."""
@@ -187,37 +187,38 @@ class _Again:
         for number, (t, name, closes) in enumerate(whole.log):
             if closes and name in seen:
                 hidden = any(when > t for _, when in whole.peak.values())
-                return whole._replace(until=t, first=self._march(number).peak if hidden else whole.peak)
+                return whole._replace(until=t, first=self._integrate(number).peak if hidden else whole.peak)
             if closes and name not in preloaded:
                 seen.add(name)
         return whole._replace(first=whole.peak)
 
-    def _march(self, events: int) -> _Run:
+    def _integrate(self, events: int) -> _Run:
         """To the end, or until there is no room for another event that counts."""
         slots = events
         while True:
-            run, missing = self._marched(slots, events)
+            run, missing = self._integrated(slots, events)
             if missing <= 0:
                 return run
             slots += missing
 
-    def _marched(self, slots: int, events: int) -> tuple[_Run, int]:
+    def _integrated(self, slots: int, events: int) -> tuple[_Run, int]:
         """With as many slots for events; and how many of those that count it stops short of."""
         compiled, system = self.compiled, self.compiled.system
         state = state_at_start(compiled)
-        record = room_for(system, 0 if self.tolerance is None else compiled.n_samples)
+        record = empty_record(system, 0 if self.tolerance is None else compiled.n_samples)
         record = record._replace(events=record.events[:slots], event_rows=record.event_rows[:slots])
         if self.tolerance is None:
             end = compiled.n_samples * 2.0**compiled.halvings * system.tick
             longest = self.shorter * THETA / max(largest_rate(system), THETA / end)
-            room = exact_room(system)
+            scratch = exact_workspace(system)
             steps = ExactSteps(end, interval=np.inf, longest=longest, max_steps=MAX_STEPS)
-            ended = run_aside(
-                lambda: Ended.of(exact_march(system, state, exact_rule(), room, record, steps), record), record.stop
+            ended = run_in_thread(
+                lambda: Ended.of(integrate_exactly(system, state, exact_rule(), scratch, record, steps), record),
+                record.stop,
             )
         else:
             tolerance = self.tolerance
-            ended = run_aside(
+            ended = run_in_thread(
                 lambda: collocate(compiled, tolerance, self.tables, state, record, self.finer), record.stop
             )
         names = {a: name for name, rows in compiled.contacts.items() for a in rows}

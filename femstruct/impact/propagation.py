@@ -691,7 +691,7 @@ class StepTrial(NamedTuple):
     watched: Vector
 
 
-def trial_room(system: System) -> StepTrial:
+def step_workspace(system: System) -> StepTrial:
     """Work space for one trial step."""
     r, m = len(system.rows), len(system.interfaces)
     return StepTrial(

@@ -24,7 +24,7 @@ from femstruct.tags import stored_as
 
 ENOUGH = 16.0  # samples a period from which their largest is the peak: (pi / 16)^2 / 2 = 1.9 % of a sine are missed
 FOLDED = 2.0  # samples a period below which a vibration shows at a lower frequency
-CLOSER = 32.0  # samples a period of the finer grid: 0.5 %
+SAMPLES_OF_A_PERIOD = 32.0  # samples a period of the finer grid: 0.5 %
 FAINT = 0.01  # of the largest peak force: a weaker contact is not followed
 MOST_STATES = 5e8  # numbers of samples times coordinates: room for 4 GB, of which a run touches a part
 MOST_SAMPLES = 2e7
@@ -50,7 +50,7 @@ def factor_for(highest_hz: float, coordinates: int, n_samples: int, sampling: fl
     if sampling >= ENOUGH * fastest:
         return 1
     room = min(MOST_STATES / max(coordinates, 1), MOST_SAMPLES) / n_samples
-    factor = min(ceil(CLOSER * fastest / sampling), max(int(room), 1))
+    factor = min(ceil(SAMPLES_OF_A_PERIOD * fastest / sampling), max(int(room), 1))
     return factor if factor * sampling >= ENOUGH * highest_hz else 0
 
 
@@ -74,7 +74,7 @@ def samples_of_a_pulse(response: Response) -> float:
     return factor_of(response) * response.clock.sampling / fastest if fastest > 0.0 else inf
 
 
-def closer(response: Response) -> Response | None:
+def resample(response: Response) -> Response | None:
     """A run whose largest samples are its peaks: itself where its samples are dense enough, else the same scene once
     more on a finer grid, which has its samples too; None where that grid does not fit into memory.
 
@@ -89,7 +89,7 @@ def closer(response: Response) -> Response | None:
     >>> hit = Contact("hit", upper="ball", lower=mass, law=Linear(1e10))
     >>> coarse = simulate(basis, Scene((Body("ball", 1.0, -1.0),), (hit,)), Clock(0.02, 200.0))
     >>> row = mass.of(basis.shapes)
-    >>> [round(200 * np.pi * float(np.abs(one.displacement(row)).max()), 2) for one in (coarse, closer(coarse))]
+    >>> [round(200 * np.pi * float(np.abs(one.displacement(row)).max()), 2) for one in (coarse, resample(coarse))]
     [0.01, 1.0]
     """
     factor = factor_of(response)
@@ -97,9 +97,9 @@ def closer(response: Response) -> Response | None:
         return response
     if factor == 0:
         return None
-    asked = response.clock
-    window = len(response.t) / asked.sampling  # so that every sample of the run is one of the finer grid
-    return simulate(response.basis, response.scene, replace(asked, duration=window, sampling=factor * asked.sampling))
+    clock = response.clock
+    window = len(response.t) / clock.sampling  # so that every sample of the run is one of the finer grid
+    return simulate(response.basis, response.scene, replace(clock, duration=window, sampling=factor * clock.sampling))
 
 
 def pulses_hz(response: Response) -> dict[str, float]:
@@ -231,7 +231,7 @@ class Averaged(Response):
         return 0.0 if started is None else float(row @ started)
 
 
-def averaged(response: Response) -> Averaged:
+def average_motion(response: Response) -> Averaged:
     """The same response as filters need it."""
     kept = {one.name: getattr(response, one.name) for one in fields(response)}
     scene, rate = response.scene, response.clock.sampling

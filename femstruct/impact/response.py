@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 
 from femstruct.arrays import Floats, Integers
 from femstruct.errors import FemstructError, Finding
-from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, along, coordinates, modal_motion, modal_states
+from femstruct.impact.motion import (
+    DISPLACEMENT,
+    VELOCITY,
+    Motion,
+    coordinates,
+    modal_motion,
+    modal_states,
+    weighted_motion,
+)
 from femstruct.impact.scene import Clock, Contact, End, Ground, Scene
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.probe import Probe
@@ -234,12 +242,12 @@ class Response:
 
     def displacement(self, row: Floats) -> Floats:
         """Weighted sum of the modal coordinates [nt], row [k]: exact at every sample."""
-        total: Floats = along(self.motion, DISPLACEMENT, row[None])[0]
+        total: Floats = weighted_motion(self.motion, DISPLACEMENT, row[None])[0]
         return total
 
     def velocity(self, row: Floats) -> Floats:
         """Weighted sum of the modal velocities [nt], row [k]: exact at every sample."""
-        total: Floats = along(self.motion, VELOCITY, row[None])[0]
+        total: Floats = weighted_motion(self.motion, VELOCITY, row[None])[0]
         return total
 
     def acceleration(self, row: Floats) -> Floats:
@@ -318,10 +326,10 @@ def outcomes_of(
     kinds = (*Outcome,)
     which = np.full(runs, kinds.index(Outcome.SEPARATED))
     which[closed] = kinds.index(Outcome.CLOSED_AT_END)
-    rest = closed & _rest(scene, endings, still)
-    which[rest] = kinds.index(Outcome.RESTING if scene.gravity > 0.0 else Outcome.HELD)
+    at_rest = closed & _rest(scene, endings, still)
+    which[at_rest] = kinds.index(Outcome.RESTING if scene.gravity > 0.0 else Outcome.HELD)
     if not scene.gravity > 0.0:
-        which[rest & together] = kinds.index(Outcome.TOGETHER)
+        which[at_rest & together] = kinds.index(Outcome.TOGETHER)
     untouched = Outcome.HELD if held else Outcome.NEVER_TOUCHED if scene.contacts else Outcome.NO_CONTACTS
     which[~touched] = kinds.index(untouched)
     return tuple(kinds[i] for i in which)
@@ -345,19 +353,19 @@ def _rest(scene: Scene, endings: Endings, still: Mapping[str, Flags]) -> Flags:
     their bodies together, and did so for a while: no event in the last part of the window, in which the body hardly
     gained speed. A ball in the middle of a bounce gains speed at many times gravity. still : of the contacts that hold
     bodies together, whether these are at rest on each other."""
-    rest = np.ones(len(next(iter(still.values()), np.ones(1))), dtype=bool)
+    at_rest = np.ones(len(next(iter(still.values()), np.ones(1))), dtype=bool)
     weighing = {body.name for body in scene.bodies if body.falls and scene.gravity > 0.0}
     for contact in scene.contacts:
         last, closed = endings.last[contact.name], endings.closed[contact.name]
-        rest &= ~(last > (1.0 - LAST) * endings.duration)
+        at_rest &= ~(last > (1.0 - LAST) * endings.duration)
         held = contact.preload > 0.0  # by a weight that lies on it, or by what it clamps
         bodies = [end for end in (contact.upper, contact.lower) if isinstance(end, str)]
         carried = [name for name in bodies if name in weighing or held]
         quiet = still[contact.name] | bool(carried) | held
         for name in carried if scene.gravity > 0.0 else ():
             quiet = quiet & (endings.gain[name] <= REST_ACCELERATION * scene.gravity)
-        rest &= quiet | ~closed
-    return rest
+        at_rest &= quiet | ~closed
+    return at_rest
 
 
 def gain_of(velocity: Floats, end_velocity: float, duration: float) -> float:
@@ -371,7 +379,7 @@ def gain_of(velocity: Floats, end_velocity: float, duration: float) -> float:
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def passed_on(response: Response, direct: Probe) -> Floats:
+def transmitted_share(response: Response, direct: Probe) -> Floats:
     """The share [nt] [N] of all that pushes the structure which reaches a support or joint without any motion.
 
     direct : of a `ForceRow`. Raises FemstructError when the pushes of the response are not those of its scene.
@@ -395,7 +403,7 @@ def passed_on(response: Response, direct: Probe) -> Floats:
     return passed
 
 
-def on_the_ground(response: Response) -> Floats | None:
+def ground_contact_force(response: Response) -> Floats | None:
     """Force [nt] [N] of contacts and links on the ground itself, along the axis of the bodies; None where none ends
     there. It is measured from rest: what a preload or a body's weight presses with is left out."""
     share = _each_push(response, lambda end: np.array([float(isinstance(end, Ground))])).ravel()

@@ -372,14 +372,14 @@ SINGLE_WITHIN_S: Final = 0.020  # a single interval, and the mean of them: ISO 1
 MEAN_WITHIN_S: Final = 0.005
 
 
-def scattered(turns: int, seed: int) -> Floats:
+def blow_scatter(turns: int, seed: int) -> Floats:
     """How much later than evenly the blows of a tapping machine come [turns, hammers] [s], repeatable by its seed.
 
     Each is up to 10 ms early or late, all alike probable and independent, and 10 ms later than that: every interval
     between two blows is then within 100 +- 20 ms, and the mean of n of them within 20 ms / n of 100 ms: for a turn
     within 5 ms. Of the lines of an even machine sinc^2(2 f 10 ms) of the power is left: above 50 Hz none.
 
-    >>> late = scattered(2, seed=1)
+    >>> late = blow_scatter(2, seed=1)
     >>> late.shape, bool((late >= 0).all() and (late <= SINGLE_WITHIN_S).all())
     ((2, 5), True)
     """

@@ -10,7 +10,7 @@ import scipy
 
 from femstruct.arrays import Floats
 from femstruct.compiled.records import LINK, System
-from femstruct.impact.motion import DISPLACEMENT, VELOCITY, along, modal_motion, modes_of, state_at
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, modal_motion, modes_of, state_at, weighted_motion
 from femstruct.impact.propagation import law, load_at
 from femstruct.impact.response import EnergyBalance, Response
 from femstruct.impact.system import Compiled, compile_scene
@@ -63,7 +63,7 @@ def _power(response: Response, damping: Floats) -> Floats:
     values, rows = values[kept], vectors[:, kept].T
     power = np.zeros(len(response.t))
     for first in range(0, len(rows), CHUNK):
-        speeds = along(response.motion, VELOCITY, rows[first : first + CHUNK])
+        speeds = weighted_motion(response.motion, VELOCITY, rows[first : first + CHUNK])
         power += values[first : first + CHUNK] @ speeds**2
     return power
 
@@ -125,17 +125,17 @@ def mode_energies(response: Response) -> ModeEnergies:
         None if then is None else grouped(basis, _by_mode(basis, *then)),
         grouped(basis, _by_mode(basis, *last)),
         *dashpot_losses(response),
-        {} if then is None else held(basis, *then),
-        held(basis, *last),
+        {} if then is None else energy_by_holder(basis, *then),
+        energy_by_holder(basis, *last),
     )
 
 
-def held(basis: ModalBasis, q: Floats, qd: Floats) -> dict[str, float]:
+def energy_by_holder(basis: ModalBasis, q: Floats, qd: Floats) -> dict[str, float]:
     """Energy of the modes by what holds it [J], of modal coordinates and velocities [k]; empty for one holder."""
     return {name: float(holder.energy(q, qd)) for name, holder in basis.holders.items()}
 
 
-def held_over_time(response: Response, t: Floats) -> dict[str, Floats]:
+def energy_by_holder_over_time(response: Response, t: Floats) -> dict[str, Floats]:
     """The same at the samples next to times [m] of the run: histories [m] [J], for pictures."""
     if not response.basis.holders:
         return {}
@@ -184,20 +184,20 @@ def modes_at(response: Response, compiled: Compiled, t: float) -> tuple[Floats, 
         sample -= 1
     z, v = (state_at(response.motion, what, sample) for what in (DISPLACEMENT, VELOCITY))
     now = sample / sampling
-    rest, book = _rests(response, compiled, sample, z, v), response.ledger
+    unloaded, book = _rests(response, compiled, sample, z, v), response.ledger
     fastest = float(np.sqrt(2.0 * np.max(book.structure + book.stored + sum(book.bodies.values(), 0.0 * book.t))))
     while now < t:
         then = min((when for when in _breaks(system) if now < when < t), default=t)
-        z, v = _carry(system, rest, now, then, z, v, FASTEST * fastest)
+        z, v = _carry(system, unloaded, now, then, z, v, FASTEST * fastest)
         now = then
         if now < t:
-            _renew(system, rest, now, z, v)
+            _renew(system, unloaded, now, z, v)
     return modes_of(response.motion, z[: system.n_modes], v[: system.n_modes])
 
 
 def _rests(response: Response, compiled: Compiled, sample: int, z: Floats, v: Floats) -> Floats:
     """Elongations of links at their release, from the forces they have at a sample."""
-    system, rest = compiled.system, np.zeros(len(compiled.system.interfaces))
+    system, unloaded = compiled.system, np.zeros(len(compiled.system.interfaces))
     released = sample << compiled.halvings
     for name, a in compiled.links.items():
         link = system.interfaces[a]
@@ -205,8 +205,8 @@ def _rests(response: Response, compiled: Compiled, sample: int, z: Floats, v: Fl
             place, rate = (float(seen[a]) for seen in _seen(system, z, v))
             damping = link["opening"] if rate < 0.0 else link["closing"]
             force = response.links[name][sample] - damping * rate - link["preload"]
-            rest[a] = place - force / link["stiffness"]
-    return rest
+            unloaded[a] = place - force / link["stiffness"]
+    return unloaded
 
 
 def _breaks(system: System) -> list[float]:
@@ -216,10 +216,10 @@ def _breaks(system: System) -> list[float]:
     return [tick * system.tick for tick in sorted(ticks)]
 
 
-def _renew(system: System, rest: Floats, now: float, z: Floats, v: Floats) -> None:
+def _renew(system: System, unloaded: Floats, now: float, z: Floats, v: Floats) -> None:
     """Release the links and place the bodies whose time is now."""
     for a in np.flatnonzero((system.interfaces["kind"] == LINK) & (system.interfaces["release"] * system.tick == now)):
-        rest[a] = _seen(system, z, v)[0][a]
+        unloaded[a] = _seen(system, z, v)[0][a]
     for blow in system.strikes[system.strikes["tick"] * system.tick == now]:
         below = system.over[blow["over"]] @ z
         z[blow["coordinate"]] = below + (system.over_tilts[blow["over"]] @ v if len(system.over_tilts) else 0.0)
@@ -227,13 +227,13 @@ def _renew(system: System, rest: Floats, now: float, z: Floats, v: Floats) -> No
 
 
 def _carry(
-    system: System, rest: Floats, begin: float, end: float, z: Floats, v: Floats, floor: float
+    system: System, unloaded: Floats, begin: float, end: float, z: Floats, v: Floats, floor: float
 ) -> tuple[Floats, Floats]:
     """The state some fraction of a sample later, by scipy's DOP853. floor : of the speed of coordinates that errors are
     measured by; what moves by rounding alone has none of its own."""
     n, lasts = len(z), end - begin
     pace = max(float(np.sqrt(np.sum(v**2 + (system.omega * z) ** 2))), floor) or 1.0
-    held = np.abs(_forces(begin, system, rest, z, v))
+    held = np.abs(_forces(begin, system, unloaded, z, v))
     held[: len(system.interfaces)] += system.interfaces["preload"]
     acts = np.abs(system.drives if len(system.turn) else system.rows)
     speeds = EXACT * pace + ROUNDED * lasts * (held @ acts)
@@ -244,26 +244,26 @@ def _carry(
         "DOP853",
         rtol=EXACT,
         atol=np.concatenate((lasts * speeds, speeds)),
-        args=(system, rest),
+        args=(system, unloaded),
     )
     return run.y[:n, -1], run.y[n:, -1]
 
 
-def _rates(t: float, y: Floats, system: System, rest: Floats) -> Floats:
+def _rates(t: float, y: Floats, system: System, unloaded: Floats) -> Floats:
     """Velocities and accelerations of all coordinates, from their values alone."""
     n = len(system.omega)
     z, v = y[:n], y[n:]
-    inner, push = -(system.omega**2) * z - system.damping * v, system.sign * _forces(t, system, rest, z, v)
+    inner, push = -(system.omega**2) * z - system.damping * v, system.sign * _forces(t, system, unloaded, z, v)
     if len(system.turn):
         return np.concatenate((v + push @ system.kicks, inner + push @ system.drives))
     return np.concatenate((v, inner + push @ system.rows))
 
 
-def _forces(t: float, system: System, rest: Floats, z: Floats, v: Floats) -> Floats:
+def _forces(t: float, system: System, unloaded: Floats, z: Floats, v: Floats) -> Floats:
     """Forces of all interfaces and loads [r]."""
     place, rate = _seen(system, z, v)
     return np.array(
-        [_force(t, system, rest, a, place[a], rate[a]) for a in range(len(system.interfaces))]
+        [_force(t, system, unloaded, a, place[a], rate[a]) for a in range(len(system.interfaces))]
         + [load_at(system, i, t) for i in range(len(system.loads))]
     )
 
@@ -276,11 +276,11 @@ def _seen(system: System, z: Floats, v: Floats) -> tuple[Floats, Floats]:
     return place, rate
 
 
-def _force(t: float, system: System, rest: Floats, a: int, place: float, rate: float) -> float:
+def _force(t: float, system: System, unloaded: Floats, a: int, place: float, rate: float) -> float:
     """Force of an interface: a contact acts while it is indented, and pulls only if it is tensile."""
     kind, begun = system.interfaces[a]["kind"], t >= system.interfaces[a]["release"] * system.tick
     if kind == LINK:
-        return law(system, a, place - rest[a], rate)[0] if begun else 0.0
+        return law(system, a, place - unloaded[a], rate)[0] if begun else 0.0
     delta, force = place + system.interfaces[a]["offset"], 0.0
     if begun and delta > 0.0:
         force = law(system, a, delta, rate)[0]

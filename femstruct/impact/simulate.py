@@ -11,7 +11,7 @@ import numpy as np
 
 from femstruct.arrays import Floats, Integers
 from femstruct.compiled.kernels import CompiledUnit
-from femstruct.compiled.store import kept
+from femstruct.compiled.store import load_code
 from femstruct.declared import expect
 from femstruct.errors import Finding, NotConverged
 from femstruct.impact.batch_march import run_many
@@ -23,7 +23,15 @@ from femstruct.impact.blow_by_blow import (
     run_findings,
     sampling_findings,
 )
-from femstruct.impact.collocation import MAX_STEPS, Ended, collocate, levels_for, march, paced, state_at_start
+from femstruct.impact.collocation import (
+    MAX_STEPS,
+    Ended,
+    collocate,
+    integrate,
+    levels_for,
+    report_steps,
+    state_at_start,
+)
 from femstruct.impact.contact_events import (
     CLOSES,
     DONE,
@@ -34,16 +42,16 @@ from femstruct.impact.contact_events import (
     TOO_MANY_EVENTS,
     TOO_MANY_STEPS,
     WORKED,
-    Felt,
+    ContactForces,
     RunRecord,
-    feel,
+    empty_record,
+    fill_forces,
     motion_of,
     part_history,
-    room_for,
 )
 from femstruct.impact.energies import TIME, ledger
-from femstruct.impact.exact import ExactSteps, exact_march, exact_room, exact_rule, takes_exact_march
-from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, coordinates, sampled_motion, seen
+from femstruct.impact.exact import ExactSteps, exact_rule, exact_workspace, integrate_exactly, is_piecewise_linear
+from femstruct.impact.motion import DISPLACEMENT, VELOCITY, Motion, coordinates, row_motion, sampled_motion
 from femstruct.impact.propagation import State, collocation_rule, tabulated
 from femstruct.impact.response import (
     BodyHistory,
@@ -69,14 +77,14 @@ CHECK_INTERVAL = 0.2  # seconds between two checks for Ctrl-C, which a plain wai
 R = TypeVar("R")
 
 
-def run_aside(call: Callable[[], R], stop: Integers) -> R:
+def run_in_thread(call: Callable[[], R], stop: Integers) -> R:
     """What a call returns or raises, from a thread of its own.
 
     stop [1] : the call looks at it and ends when it is not zero; it is set when the wait is interrupted (Ctrl-C), which
     is then raised at once.
 
     >>> import numpy as np
-    >>> run_aside(lambda: 6 * 7, np.zeros(1, dtype=np.int64))
+    >>> run_in_thread(lambda: 6 * 7, np.zeros(1, dtype=np.int64))
     42
     """
     job: Future[R] = Future()
@@ -103,14 +111,14 @@ def run_aside(call: Callable[[], R], stop: Integers) -> R:
 
 Units = Sequence[CompiledUnit[..., Any]]
 
-BY_COLLOCATION: Final[Units] = (march, feel)
-EXACTLY: Final[Units] = (exact_march, feel)
-ALL: Final[Units] = (march, feel, exact_march, run_many)
+BY_COLLOCATION: Final[Units] = (integrate, fill_forces)
+EXACTLY: Final[Units] = (integrate_exactly, fill_forces)
+ALL: Final[Units] = (integrate, fill_forces, integrate_exactly, run_many)
 
 
 def have(units: Units) -> bool:
     """Whether all of these units are in the store."""
-    return all(kept(unit) is not None for unit in units)
+    return all(load_code(unit) is not None for unit in units)
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -161,10 +169,10 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     compiled = compile_scene(basis, scene, clock)
     system, nt = compiled.system, compiled.n_samples
     state = state_at_start(compiled)
-    record = room_for(system, nt)
-    exact = takes_exact_march(system, nt / clock.sampling)
+    record = empty_record(system, nt)
+    exact = is_piecewise_linear(system, nt / clock.sampling)
     run = _exactly if exact else _by_collocation
-    end, motion = run_aside(lambda: run(compiled, clock, state, record), record.stop)
+    end, motion = run_in_thread(lambda: run(compiled, clock, state, record), record.stop)
     if end.how != DONE:
         raise _not_converged(end, compiled, state, clock)
     part_history(compiled, record, end.rows)
@@ -213,7 +221,7 @@ def _not_converged(end: Ended, compiled: Compiled, state: State, clock: Clock) -
         TOO_MANY_EVENTS: f"{end.events} closings and openings by {when}: a contact chatters",
         NO_FORCES: f"no contact force at {when}",
         STICKS: f"contacts or one-way dashpots that switch endlessly at {when}",
-        STALLS: f"{when} after the last {paced(compiled.system)} steps: {MAX_STEPS} such steps are too few",
+        STALLS: f"{when} after the last {report_steps(compiled.system)} steps: {MAX_STEPS} such steps are too few",
     }
     return NotConverged(
         "impact",
@@ -239,13 +247,13 @@ def _join_peaks(record: RunRecord) -> None:
         record.peak[a] = record.strike_peak[record.strike_peak[:, a, 0].argmax(), a]
 
 
-def _felt(compiled: Compiled, motion: Motion, state: State, record: RunRecord) -> Felt:
+def _felt(compiled: Compiled, motion: Motion, state: State, record: RunRecord) -> ContactForces:
     """Forces of all interfaces and loads at the samples, from the motion."""
     system, nt = compiled.system, compiled.n_samples
     m, r = len(system.interfaces), len(system.rows)
-    place, speed = (seen(motion, what, system.rows[:m], system.tilts[:m]) for what in (DISPLACEMENT, VELOCITY))
-    felt = Felt(place, speed, np.empty((m, nt)), np.empty((r, nt)))
-    feel(system, state, compiled.halvings, record, felt)
+    place, speed = (row_motion(motion, what, system.rows[:m], system.tilts[:m]) for what in (DISPLACEMENT, VELOCITY))
+    felt = ContactForces(place, speed, np.empty((m, nt)), np.empty((r, nt)))
+    fill_forces(system, state, compiled.halvings, record, felt)
     return felt
 
 
@@ -267,7 +275,7 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: RunRecord) 
     system, nt = compiled.system, compiled.n_samples
     end = nt / clock.sampling
     steps = ExactSteps(end, interval=1.0 / clock.sampling, longest=end / LEDGER_ROWS, max_steps=MAX_STEPS)
-    how = exact_march(system, state, exact_rule(), exact_room(system), record, steps)
+    how = integrate_exactly(system, state, exact_rule(), exact_workspace(system), record, steps)
     kept = record.kept[0]
     return Ended.of(how, record), sampled_motion(record.z[:kept].T, record.v[:kept].T, system)
 

@@ -216,10 +216,10 @@ class _Interfaces:
         approach = on.approach(contact.upper, contact.lower, where)
         if len(law.sides) > 1 and contact.preload:
             raise FemstructError(where, got="a preload on a stop", expected="none", do="replace it by a contact")
-        rest = law.indentation(contact.preload) if contact.preload else 0.0
+        static_indentation = law.indentation(contact.preload) if contact.preload else 0.0
         release = max(on.first_blow.get(e, 0) if isinstance(e, str) else 0 for e in (contact.upper, contact.lower))
         for side in law.sides:
-            self._add(side * approach, law, rest - contact.gap, contact.preload, release)
+            self._add(side * approach, law, static_indentation - contact.gap, contact.preload, release)
         return tuple(range(first, len(self.rows)))
 
     def add_link(self, link: Link, on: _Coordinates) -> int:

@@ -11,7 +11,7 @@ from pydantic import ValidationInfo
 
 from femstruct.conventions import GRAVITY
 from femstruct.declared import Refers
-from femstruct.errors import shown_as
+from femstruct.errors import quote_value
 from femstruct.impact.scene import (
     BANG_MACHINE,
     BETWEEN_BLOWS,
@@ -21,7 +21,7 @@ from femstruct.impact.scene import (
     HAMMERS,
     RUBBER_BALL,
     TAPPING_MACHINE,
-    scattered,
+    blow_scatter,
 )
 from femstruct.language.laws import LAW_KINDS, Ends, LawSpec, Site
 from femstruct.language.not_computed import FALLING_PARTS, instead_of
@@ -41,7 +41,7 @@ from femstruct.quantities import (
 )
 from femstruct.study.acting import BodySide, Covering, PlacedBody, PlannedContact, PlannedLink, Repeat
 from femstruct.yaml.reader import Here, Names, members
-from femstruct.yaml.spec import BandFile, Count, Spec, Text, any_of, brought, by_band, read_by, word_of
+from femstruct.yaml.spec import BandFile, Count, Spec, Text, any_of, brought_by_key, by_band, read_by, word_of
 from femstruct.yaml.spec import Ends as EndsOfContact
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ _READ = by_band(_DECIBEL, *_WORDS)
 
 def _reduction(value: object, info: ValidationInfo) -> object:
     if not isinstance(value, dict):
-        raise refuse(shown_as(value), *_WORDS)
+        raise refuse(quote_value(value), *_WORDS)
     return _READ(value, info)
 
 
@@ -105,10 +105,12 @@ def refuse_beside_source(body: Mapping[str, Any], of_blows: Collection[str]) -> 
     brought = ["mass", "drop_height", "speed", "below", "before", "after"] + ([] if tapping else ["contact"])
     given = [key for key in brought if key in body]
     if given:
-        told = (
+        statement = (
             "is above a place" if given[0] in ("below", "before", "after") else f"has its own {_SOURCE_WORDS[given[0]]}"
         )
-        raise refuse(f"'{given[0]}' with a {name}", f"only a source: it {told}", f"remove '{given[0]}', or 'source'")
+        raise refuse(
+            f"'{given[0]}' with a {name}", f"only a source: it {statement}", f"remove '{given[0]}', or 'source'"
+        )
     if tapping and "contact" not in body:
         raise refuse(
             "a tapping machine without a contact",
@@ -155,10 +157,10 @@ def _turns(blows: Any) -> Any:
     return {"count": 1, "timing": UNCORRELATED, **blows, "every": HAMMERS * BETWEEN_BLOWS}
 
 
-def turn(number: int, apart: float = BETWEEN_BLOWS) -> float:
+def first_blow_time(number: int, apart: float = BETWEEN_BLOWS) -> float:
     """When hammer `number`, from 1, strikes first [s].
 
-    >>> turn(1), turn(3), turn(3, 0.4)
+    >>> first_blow_time(1), first_blow_time(3), first_blow_time(3, 0.4)
     (0.0, 0.2, 0.8)
     """
     return (number - 1) * apart
@@ -201,7 +203,7 @@ class BlowsSpec(Spec):
     alike for the same seed.
     """
 
-    model_config = brought("every", "count")
+    model_config = brought_by_key("every", "count")
 
     makes = Repeat
     count: Count
@@ -214,7 +216,7 @@ class BlowsSpec(Spec):
         late: tuple[float, ...] = ()
         if self.timing == SCATTERED:
             hammer = round(self.first / BETWEEN_BLOWS) % HAMMERS
-            late = tuple(scattered(self.count, self.seed or 1)[:, hammer].tolist())
+            late = tuple(blow_scatter(self.count, self.seed or 1)[:, hammer].tolist())
         return {
             "count": self.count,
             "every": self.every,
@@ -236,7 +238,7 @@ class BodySpec(Spec):
     instead = instead_of(FALLING_PARTS, "part", "parts", "structure")
     one_of = (SIDES,)
     at_most_one_of = (("drop_height", "speed"),)
-    model_config = brought("mass")
+    model_config = brought_by_key("mass")
 
     source: Annotated[str, word_of(SOURCES)] | None = None
     mass: MassKg
@@ -275,18 +277,20 @@ class BodySpec(Spec):
         """Speed with which it starts towards its target [m/s]."""
         return sqrt(2 * GRAVITY * self.drop_height) if self.drop_height is not None else self.speed or 0.0
 
-    def check_in(self, here: Here, count: int, others: Collection[str], laws: list[LawSpec], heard: bool) -> None:
+    def check_in(
+        self, here: Here, count: int, others: Collection[str], laws: list[LawSpec], has_receivers: bool
+    ) -> None:
         """Note what is wrong with it.
 
         count : how many bodies it stands for. others : names of bodies and of the ground. laws : of its contacts.
-        heard : whether its own sound is computed, in open air with receivers on its side.
+        has_receivers : whether its own sound is computed, in open air with receivers on its side.
         """
         there = here.at(self.side)
         expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"
         machine = self.source == TAPPING_MACHINE
         if machine and self.target in (*here.names.points, *here.names.places, *others):  # else its name is wrong
-            told = f"{count} place{'s' if count > 1 else ''} for the {HAMMERS} hammers of a tapping machine"
-            there.need(count == HAMMERS, told, expected, "100 mm apart, in a line")
+            got = f"{count} place{'s' if count > 1 else ''} for the {HAMMERS} hammers of a tapping machine"
+            there.need(count == HAMMERS, got, expected, "100 mm apart, in a line")
         if here.names.points.get(self.target, 1) == 1:
             there.place(self.target, others)
         here.at("covering").need(
@@ -310,7 +314,7 @@ class BodySpec(Spec):
                 "'timing: scattered' beside it",
                 "add it, or remove 'seed'",
             )
-        if self.radius is None or heard or any(law.takes_radius for law in laws):
+        if self.radius is None or has_receivers or any(law.takes_radius for law in laws):
             return
         do = "remove it: the own sound of bodies that move along x is not computed"
         if self.side in ("above", "below"):
@@ -351,13 +355,13 @@ class BodySpec(Spec):
 def ends_of(bodies: Mapping[str, BodySpec], a: str, b: str) -> Ends:
     """Mass and meeting speed of two ends. The speed is that of the one body that is placed at the other end and moves
     towards it; not when the other end moves as well."""
-    meeting = {name: bodies[name] for name in (a, b) if name in bodies}
-    masses = [body.mass for body in meeting.values()]
+    ends = {name: bodies[name] for name in (a, b) if name in bodies}
+    masses = [body.mass for body in ends.values()]
     mass = 1.0 / sum(1.0 / one for one in masses) if masses else None
-    moving = [name for name, body in meeting.items() if body.start_speed]
-    placed = [name for name in moving if meeting[name].target == (b if name == a else a)]
-    speed = meeting[placed[0]].start_speed if len(moving) == len(placed) == 1 else None
-    first, second = (inf if name not in meeting else meeting[name].radius for name in (a, b))
+    moving = [name for name, body in ends.items() if body.start_speed]
+    placed = [name for name in moving if ends[name].target == (b if name == a else a)]
+    speed = ends[placed[0]].start_speed if len(moving) == len(placed) == 1 else None
+    first, second = (inf if name not in ends else ends[name].radius for name in (a, b))
     if first is None or second is None or min(first, second) == inf:
         return Ends(mass, speed, None)
     return Ends(mass, speed, (first, second))
@@ -400,7 +404,7 @@ def drop_counts(bodies: Mapping[str, BodySpec], names: Names) -> dict[str, int]:
     return {name: count for name, count in counts.items() if count > 1}
 
 
-def joined(ends: tuple[str, str], sizes: Mapping[str, int], names: Names) -> list[int]:
+def array_size_of(ends: tuple[str, str], sizes: Mapping[str, int], names: Names) -> list[int]:
     """How many places each end stands for: [] unless an array of bodies is one of them."""
     if not any(end in sizes for end in ends):
         return []
@@ -428,7 +432,7 @@ class BetweenSpec(Spec):
 
     def check_ends(self, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
         """Note what its ends are not. sizes : of arrays of bodies. ends : names of bodies and the ground."""
-        counts, there = joined(self.between, sizes, here.names), here.at("between")
+        counts, there = array_size_of(self.between, sizes, here.names), here.at("between")
         there.need(
             len({count for count in counts if count > 1}) <= 1,
             " and ".join(f"{count} {end}" for count, end in zip(counts, self.between, strict=False)),
@@ -452,15 +456,15 @@ class ContactSpec(BetweenSpec):
     gap: Gap = 0.0
     preload: Annotated[float, Quantity(("force",), least=0.0)] = 0.0
 
-    def check_in(self, here: Here, struck: Collection[str]) -> None:
-        """Note keys that do not agree; struck : bodies that are lifted off at every blow."""
+    def check_in(self, here: Here, with_blows: Collection[str]) -> None:
+        """Note keys that do not agree; with_blows : bodies that are lifted off at every blow."""
         here.need(
             not (self.gap and self.preload),
             f"a gap of {self.gap:g} m and a preload of {self.preload:g} N",
             "one of them",
             "a preloaded contact is closed: remove the gap",
         )
-        held = [end for end in self.between if end in struck] if self.preload else []
+        held = [end for end in self.between if end in with_blows] if self.preload else []
         here.at("preload").need(
             not held,
             f"a preload on '{''.join(held[:1])}', which is lifted off at every blow",
@@ -565,7 +569,7 @@ class LinkSpec(BetweenSpec):
         damping = 2.0 * self.ratio * sqrt(stiffness * mass)
         return replace(link, stiffness=stiffness, closing=damping, opening=damping)
 
-    def check_in(self, here: Here, struck: Collection[str]) -> None:
+    def check_in(self, here: Here, with_blows: Collection[str]) -> None:
         """Note a link of nothing, and one to a body that is lifted off at every blow (struck)."""
         here.need(
             self.stiffness or self.frequency or self.damping.closing or self.damping.opening or self.preload,
@@ -575,7 +579,7 @@ class LinkSpec(BetweenSpec):
         )
         for number, end in enumerate(self.between):
             here.at("between", number).need(
-                end not in struck,
+                end not in with_blows,
                 f"'{end}', which is lifted off at every blow",
                 "a body without blows",
                 "remove one of them",

@@ -53,7 +53,7 @@ def read_campaign(
     overrides = expect("read_campaign overrides", overrides, tuple[str, ...])
     only = expect("read_campaign only", only, tuple[str, ...])
     mistakes = Mistakes()
-    tree = overridden(path, overrides, KEYS, mistakes)
+    tree = override_study(path, overrides, KEYS, mistakes)
     own = {key: tree.value[key] for key in KEYS if tree.value.get(key) is not None}
     spec = validate(CampaignSpec, own, tree, mistakes)
     found = varied_of(spec.vary if spec else {}, Here(tree, mistakes)) | varied_by(vary, mistakes)
@@ -140,7 +140,7 @@ def steps_of(path: str) -> tuple[tuple[str, ...], ...]:
     return (("optimise", "vary", path), ("vary", path))
 
 
-def overridden(path: str | Path, overrides: Sequence[str], keys: Collection[str], mistakes: Mistakes) -> Tree:
+def override_study(path: str | Path, overrides: Sequence[str], keys: Collection[str], mistakes: Mistakes) -> Tree:
     """A study file with those overrides of the command line that are of some keys. Raises InputErrors for another
     kind of file."""
     tree = read_yaml(path)
@@ -234,7 +234,7 @@ def read_search(
     limits = expect("read_search limits", limits, tuple[str, ...])
     overrides = expect("read_search overrides", overrides, tuple[str, ...])
     mistakes = Mistakes()
-    tree = overridden(path, overrides, SEARCH_KEYS, mistakes)
+    tree = override_study(path, overrides, SEARCH_KEYS, mistakes)
     asked_for = _goals([goal] if isinstance(goal, str) else goal, mistakes)
     block = dict(tree.value["optimise"]) if isinstance(tree.value.get("optimise"), dict) else {}
     if asked_for:

@@ -23,7 +23,7 @@ from femstruct.language.models import (
     title_of,
 )
 from femstruct.language.patch import MODEL_KEYS, Patch, check_names, study_keys
-from femstruct.language.studies import StudySpec, check_study, drops, spread, study_of
+from femstruct.language.studies import StudySpec, check_study, drops, expand_arrays, study_of
 from femstruct.study.study import Case, Plan, Study
 from femstruct.yaml.reader import Here, Mistakes, Tree, nearest, read_yaml
 from femstruct.yaml.validation import validate
@@ -89,8 +89,8 @@ def read_study(
         sources[tree.file] = tree.text
         positions = {**positions_of(tree), **positions}
     shaped: dict[str, ShapedRoom] = {}
-    asked = {only: cases[only]} if only is not None else cases
-    built = [_case(name, one, patch.changes, mistakes, sources, shaped) for name, one in asked.items()]
+    chosen = {only: cases[only]} if only is not None else cases
+    built = [_case(name, one, patch.changes, mistakes, sources, shaped) for name, one in chosen.items()]
     mistakes.stop_if_any()
     return Plan(title_of(base), tuple(case for case in built if case is not None), baseline, sources, positions)
 
@@ -175,9 +175,9 @@ def _case(
         return study_of(spec, title_of(tree), structure, damping, Here(tree, mistakes), sources, shaped)
 
     places = {place: built(spec) for place, spec in drops(one.study_spec, names).items()}
-    struck = {place: study for place, study in places.items() if study is not None}
-    study = next(iter(struck.values())) if struck else built(spread(one.study_spec, names))
-    return Case(name, study, changes, struck) if study is not None and len(struck) == len(places) else None
+    studies = {place: study for place, study in places.items() if study is not None}
+    study = next(iter(studies.values())) if studies else built(expand_arrays(one.study_spec, names))
+    return Case(name, study, changes, studies) if study is not None and len(studies) == len(places) else None
 
 
 def _baseline(study: Tree, names: Sequence[str]) -> str:

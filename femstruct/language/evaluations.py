@@ -20,7 +20,7 @@ class EvaluationSpec(Spec):
         request: Evaluation | None = here.make(lambda: self.noun(name=""))
         if request is None:
             return
-        known = {f"{target} {what}": target for target, wanted in records.items() for what in wanted}
+        known = {f"{target} {what}": target for target, quantities in records.items() for what in quantities}
         targets = [target for one, target in known.items() if one.endswith(f" {request.quantity}")]
         expected = f"a recorded {request.quantity}, such as 'record: {{P.z: {request.quantity}}}'"
         do = nearest(request.of, targets)

@@ -41,10 +41,10 @@ class _LimitQuantity(Quantity):
         try:
             return super().read(given)
         except QuantityError:
-            wanted = _dimension(name)
-            if wanted not in LIMITED:
+            dimension = _dimension(name)
+            if dimension not in LIMITED:
                 raise
-            return Quantity((wanted,), above=0.0, which=True).read(given)
+            return Quantity((dimension,), above=0.0, which=True).read(given)
 
 
 def _with_names(value: object) -> object:
@@ -193,7 +193,7 @@ class FatigueSpec(Spec):
         random: Collection[str],
     ) -> None:
         """Note what is wrong with its channel and its S-N line. random : excitations that have a psd and a duration."""
-        known = [f"{target} {what}" for target, wanted in records.items() for what in wanted]
+        known = [f"{target} {what}" for target, quantities in records.items() for what in quantities]
         expected = "a recorded channel, such as 'brace force' of 'record: {brace: force}'"
         do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"
         if self.under is None:
@@ -206,7 +206,7 @@ class FatigueSpec(Spec):
         if self.sn is None:
             return
         got = "pressure" if self.sn.range is None else self.sn.range.dimension
-        wanted = dimension_of(self.of)
-        words = DIMENSIONS[wanted].words if wanted in DIMENSIONS else "a plain number"
+        quantities = dimension_of(self.of)
+        words = DIMENSIONS[quantities].words if quantities in DIMENSIONS else "a plain number"
         there = here.at("sn")
-        there.need(got in (None, wanted), DIMENSIONS[got or "ratio"].words, f"{words}, as '{self.of}' is")
+        there.need(got in (None, quantities), DIMENSIONS[got or "ratio"].words, f"{words}, as '{self.of}' is")

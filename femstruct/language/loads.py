@@ -10,12 +10,12 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from femstruct.conventions import GRAVITY
 from femstruct.declared import Refers
-from femstruct.errors import FemstructError, InputError, shown_as
+from femstruct.errors import FemstructError, InputError, quote_value
 from femstruct.files.columns import read_columns, read_footstep, read_history
 from femstruct.files.text_tables import Head, beside, scale_of
 from femstruct.impact.scene import PACES_HZ, HalfSine, Walk, design_harmonics
 from femstruct.language.not_computed import BASE_IN_TIME, GROUND, instead_of
-from femstruct.language.requests import spot_of
+from femstruct.language.requests import parse_spot
 from femstruct.language.rooms import RoomSpec
 from femstruct.modal.installed_sources import BandMobility, ForceSource, MeasuredMobility, RigidMass, SourceMobility
 from femstruct.modal.steady import BandSpectrum, Spectrum
@@ -80,19 +80,19 @@ def _spectra(dimension: str) -> Callable[[object, ValidationInfo], object]:
 
     def one(value: object, info: ValidationInfo) -> Bands | Spectrum:
         if not isinstance(value, dict) or not value:
-            raise refuse(shown_as(value), "values by band, or a power spectral density", _BANDS)
+            raise refuse(quote_value(value), "values by band, or a power spectral density", _BANDS)
         if "psd" not in value:
             return _by_band(value, dimension, info)
         psd = value["psd"]
         if len(value) > 1 or not isinstance(psd, dict | list):
-            raise refuse(shown_as(value), "'psd' with pairs [frequency, value] or {file: NAME}", _BANDS)
+            raise refuse(quote_value(value), "'psd' with pairs [frequency, value] or {file: NAME}", _BANDS)
         named = f"{dimension} psd"
         if isinstance(psd, dict):
             return made_of_file(
                 psd, info, lambda path, sources: read_columns(path, ("frequency", named), sources, _lines)
             )
         if any(not isinstance(pair, list) or len(pair) != 2 for pair in psd):
-            raise refuse(shown_as(psd), "pairs [frequency, value]", _BANDS)
+            raise refuse(quote_value(psd), "pairs [frequency, value]", _BANDS)
         try:
             return Spectrum(tuple((FREQUENCY.read(f), Quantity((named,), above=0.0).read(v)) for f, v in psd))
         except FemstructError as error:
@@ -117,7 +117,7 @@ def _mobility(dimension: str) -> Callable[[object, ValidationInfo], object]:
             return ForceSource()
         if not isinstance(value, dict) or not value:
             do = "write it like {50 Hz: 1e-4 m/s/N, 63 Hz: ..}, {file: NAME}, {lines: NAME}"
-            raise refuse(shown_as(value), "values by band, or lines with their phase", do)
+            raise refuse(quote_value(value), "values by band, or lines with their phase", do)
         try:
             if "lines" in value:
                 found = {"file": value["lines"], **{key: one for key, one in value.items() if key != "lines"}}
@@ -186,7 +186,7 @@ class MeasuredSourceSpec(Spec):
         spectra = self.blocked_force if self.blocked_force is not None else self.free_velocity or ()
         mobility = RigidMass(self.mass) if self.mass is not None else self.mobility or self.impedance
         return {
-            "at": tuple(spot_of(text) for text in self.at),
+            "at": tuple(parse_spot(text) for text in self.at),
             "what": "blocked force" if force else "free velocity",
             "spectra": tuple(one if isinstance(one, Spectrum) else BandSpectrum(one, fraction) for one in spectra),
             "mobility": mobility,
@@ -289,7 +289,7 @@ class LoadSpec(Spec):
         repeat = Repeat(self.count or 1, self.every or 0.0, self.first)
         if self.walking is not None:
             return PlannedWalk(name, self.along or (), self.walking.noun(), repeat)
-        on = spot_of(self.at) if self.at is not None else self.body or self.on or ""
+        on = parse_spot(self.at) if self.at is not None else self.body or self.on or ""
         if self.half_sine is not None:
             return PlannedLoad(name, on, self.kind, self.half_sine.noun(), repeat)
         if self.footstep is not None:
@@ -326,7 +326,7 @@ def _value(value: object, dimensions: tuple[str, ...]) -> Measured:
     if found is not None and bool(found[2]) == dimensions[0].endswith("psd"):
         number = Quantity(("ratio",)).read(found[1])
         if not number > 0.0:
-            raise refuse(shown_as(value), "a value above 0", "remove the sign" if number < 0.0 else "")
+            raise refuse(quote_value(value), "a value above 0", "remove the sign" if number < 0.0 else "")
         return Measured(number * GRAVITY ** (2 if found[2] else 1), dimensions[-1])
     text = value.replace("(m/s^2)^2", "m^2/s^4").replace("(m/s²)²", "m^2/s^4") if isinstance(value, str) else value
     try:
@@ -347,7 +347,7 @@ def _level(dimensions: tuple[str, ...]) -> Any:
             return Level(one.value, (), (one.dimension,))
         pairs = [pair for pair in value if isinstance(pair, list) and len(pair) == 2]
         if len(pairs) < max(2, len(value)):
-            raise refuse(shown_as(value), "a value, or two or more pairs [frequency, value]", _EXAMPLE)
+            raise refuse(quote_value(value), "a value, or two or more pairs [frequency, value]", _EXAMPLE)
         points = [(FREQUENCY.read(frequency), _value(one, dimensions)) for frequency, one in pairs]
         return Level(None, tuple((f, one.value) for f, one in points), tuple(one.dimension for _, one in points))
 
@@ -415,8 +415,8 @@ class VibrationSpec(Spec):
                 "a force, a pressure, or coupling: one-way",
             )
         answers = {"displacement", "velocity", "acceleration", "force", "stress"}
-        asked = any(answers & set(wanted) for wanted in records.values())
-        here.need(asked, "nothing that is recorded", "what answers", "add 'record: {POINT.z: acceleration}'")
+        is_recorded = any(answers & set(quantities) for quantities in records.values())
+        here.need(is_recorded, "nothing that is recorded", "what answers", "add 'record: {POINT.z: acceleration}'")
 
     @property
     def _dimension(self) -> str:
@@ -426,6 +426,6 @@ class VibrationSpec(Spec):
 
     def given(self) -> dict[str, Any]:
         kind = "base" if self.base is not None else "surface" if self.on is not None else "point"
-        on = spot_of(self.at) if self.at is not None else self.base or self.on
+        on = parse_spot(self.at) if self.at is not None else self.base or self.on
         what, spectrum = self.level[0], Spectrum(self.points)
         return {"on": on, "kind": kind, "what": what, "spectrum": spectrum, "duration": self.duration}

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, create_model
 
 from acoustics.air import Air
-from femstruct.errors import InputError, shown_as
+from femstruct.errors import InputError, quote_value
 from femstruct.model import sections
 from femstruct.model.library import Use
-from femstruct.model.library_entries import alike, library, names_for
+from femstruct.model.library_entries import library, material_like, names_for
 from femstruct.model.materials import (
     CLASSES,
     INTERNAL,
@@ -33,7 +33,7 @@ from femstruct.yaml.spec import (
     Spec,
     SurfaceName,
     Text,
-    brought,
+    brought_by_key,
     by_band,
     only,
     read_by,
@@ -83,10 +83,10 @@ def entry_for(use: Use, words: str, word: str = "") -> BeforeValidator:
     return read_by(only(known, words, do), Literal.__getitem__(known))
 
 
-def told_of(name: str | None) -> str:
+def entry_source(name: str | None) -> str:
     """An entry with the work behind its first value, for tables of inputs; "" of none.
 
-    >>> told_of("CLT160 L5")
+    >>> entry_source("CLT160 L5")
     'CLT160 L5: standard designs of CLT panels, husfabrik.eu/clt-panels-standard-design'
     """
     return f"{name}: {library()[name].facts[0].source.work}" if name else ""
@@ -169,7 +169,7 @@ def _plate_losses(value: object, info: ValidationInfo) -> object:
             raise refuse("other keys beside reverberation_times", "reverberation_times alone", "remove them")
         times = _TIMES(value["reverberation_times"], info)
         if not isinstance(times, dict):
-            raise refuse(shown_as(value), "a reverberation time for each frequency", "write it like {63 Hz: 0.4 s}")
+            raise refuse(quote_value(value), "a reverberation time for each frequency", "write it like {63 Hz: 0.4 s}")
         try:
             return measured_losses(times)
         except InputError as error:
@@ -228,7 +228,7 @@ class LikeSpec(Spec):
     """A material of the library, as concrete C30/37 or C24 (timber, x along the grain); values that are known better
     in place of its own."""
 
-    makes = alike
+    makes = material_like
     like: Annotated[Text, entry_for(Use.MATERIAL, "a material of the library")]
     E: Annotated[float | tuple[float, ...] | None, read_by(_moduli, Modulus | list[Modulus])] = None
     nu: Annotated[float | tuple[float, ...] | None, read_by(_ratios, AnyRatio | list[AnyRatio])] = None
@@ -355,7 +355,7 @@ class FillSpec(Spec):
     """Wool in a cavity, against its second surface: all of the depth, or a thickness. frame: limp for loose wool, held
     for wool that is fixed. like: one of the library, which brings what is not given."""
 
-    model_config = brought("flow_resistivity", "density")
+    model_config = brought_by_key("flow_resistivity", "density")
 
     makes = Fill
     like: Annotated[Text | None, entry_for(Use.FILL, "a wool of the library", "wool")] = None
@@ -373,7 +373,7 @@ class FillSpec(Spec):
         return {"flow_resistivity": entry.number("flow_resistivity"), "density": entry.number("rho"), **given}
 
     def given(self) -> dict[str, Any]:
-        return {**super().given(), "like": told_of(self.like)}
+        return {**super().given(), "like": entry_source(self.like)}
 
 
 class BaysSpec(Spec):

@@ -111,10 +111,10 @@ def override(patch: Patch, overrides: Sequence[str]) -> None:
     """Apply texts ``PATH=VALUE`` of the command line; mistakes are noted under ``--set``."""
     for text in overrides:
         path, equals, value = (part.strip() for part in text.partition("="))
-        is_one, told = bool(equals and path and value), len(patch.mistakes.lines)
+        is_one, before = bool(equals and path and value), len(patch.mistakes.lines)
         there = Here(parse_value(value if is_one else "0", f"--set {text}", patch.mistakes), patch.mistakes)
         there.need(is_one, "no PATH=VALUE", "--set bodies.ball.mass='60 g'")
-        if len(patch.mistakes.lines) == told:
+        if len(patch.mistakes.lines) == before:
             for one in patch.added_by_cases(path) or (path,):
                 patch.assign(one, there.tree.value, there, of_cases=True)
             _refuse_if_set_again(patch, path, there)
@@ -129,22 +129,22 @@ def _refuse_if_set_again(patch: Patch, path: str, there: Here) -> None:
         )
 
 
-def refuse_kind(tree: Tree, wanted: str, own: frozenset[str], others: Callable[[], frozenset[str]]) -> bool:
+def refuse_kind(tree: Tree, expected: str, own: frozenset[str], others: Callable[[], frozenset[str]]) -> bool:
     """True, or InputErrors: one sentence for the other kind of file, instead of one for each of its keys."""
     keys, mistakes = tree.value.keys(), Mistakes()
     if not keys or keys & own:
         return True
     other, here = others(), Here(tree, mistakes)
     if keys & other:
-        found = "study" if wanted == "model" else "model"
+        found = "study" if expected == "model" else "model"
         here.at(next(key for key in tree.value if key in other)).wrong(
-            f"a {found} file", f"a {wanted} file", of_key=True
+            f"a {found} file", f"a {expected} file", of_key=True
         )
     elif "title" not in keys and not any(near_name(key, own | other) for key in keys):
         here.wrong(
             "a file without a key of the language",
-            f"a {wanted} file",
-            f"a {wanted} has {', '.join(sorted(own)[:4])}, ...",
+            f"a {expected} file",
+            f"a {expected} has {', '.join(sorted(own)[:4])}, ...",
             of_key=True,
         )
     mistakes.stop_if_any()

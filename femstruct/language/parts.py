@@ -14,10 +14,10 @@ from femstruct.decks.mesh_file import read_mesh_file
 from femstruct.declared import Refers
 from femstruct.elements.frame import FrameElement
 from femstruct.elements.plate import PlateElement
-from femstruct.errors import FemstructError, InputError, InputErrors, shown_as
+from femstruct.errors import FemstructError, InputError, InputErrors, quote_value
 from femstruct.files.matrices_input import read_component
 from femstruct.files.text_tables import beside
-from femstruct.language.materials import Losses, PlateLosses, entry_for, need_losses, told_of
+from femstruct.language.materials import Losses, PlateLosses, entry_for, entry_source, need_losses
 from femstruct.language.not_computed import FALLING_PARTS, instead_of
 from femstruct.language.places import AnyRegion, RegionSpec, SixDashpots, SixStiffnesses
 from femstruct.model import regions
@@ -179,7 +179,7 @@ def unit_of_file(dimension: str, factor: str, expected: str, do: str) -> Callabl
         try:
             return quantity(f"1 {value}", dimension)
         except QuantityError:
-            raise refuse(shown_as(value), expected, do) from None
+            raise refuse(quote_value(value), expected, do) from None
 
     return read
 
@@ -233,14 +233,14 @@ Rigidity = Annotated[float, Quantity(("stiffness",), least=0.0)]
 def _angle(value: object) -> object:
     """An angle with its unit: 90 without one is far more likely in degrees than in radians."""
     if isinstance(value, int | float) and not isinstance(value, bool) and value != 0:
-        raise refuse(shown_as(value), "an angle with its unit", f"write {value:g} deg")
+        raise refuse(quote_value(value), "an angle with its unit", f"write {value:g} deg")
     return _ANGLE.read(value)
 
 
 def _layer(value: object) -> object:
     """A layer with its angle, which may be left out."""
     if not (isinstance(value, list) and len(value) in (2, 3)):
-        got = f"{len(value)} value{'s' if len(value) != 1 else ''}" if isinstance(value, list) else shown_as(value)
+        got = f"{len(value)} value{'s' if len(value) != 1 else ''}" if isinstance(value, list) else quote_value(value)
         raise refuse(got, "[material, thickness, angle]", "the angle may be left out: [spruce, 40 mm]")
     return value if len(value) == 3 else [*value, 0]
 
@@ -251,7 +251,7 @@ Written = tuple[MaterialName, Length, Annotated[float, read_by(_angle, Annotated
 def _some(value: object) -> object:
     """One layer or more."""
     if not isinstance(value, list) or not value:
-        got = "no layer" if value == [] else shown_as(value)
+        got = "no layer" if value == [] else quote_value(value)
         raise refuse(got, "layers [material, thickness, angle], or a lay-up", "write [[spruce, 40 mm], ..]")
     return value
 
@@ -309,14 +309,14 @@ class SmearedSpec(Spec):
     loss_factor: PlateLosses = 0.0
 
 
-def laid_up(
+def lay_up_of(
     layers: Sequence[tuple[str, float, float]] | LaidSpec | BoardsSpec, materials: Mapping[str, AnyMaterial]
 ) -> Laminate:
     """The noun of the layers that are written."""
     if isinstance(layers, LaidSpec):
         entry = library()[layers.like]
         laid = tuple(Layer(materials[layers.of], each, radians(angle)) for each, angle in entry.layers)
-        return Laminate(laid, told_of(layers.like))
+        return Laminate(laid, entry_source(layers.like))
     written, bond = (layers.boards, layers.bond) if isinstance(layers, BoardsSpec) else (layers, 1.0)
     return Laminate(tuple(Layer(materials[name], each, angle) for name, each, angle in written), bond=bond)
 
@@ -341,7 +341,7 @@ class DeckSpec(PartSpec):
         if self.material is not None:
             return super().made_of(name, of, thickness=self.thickness, **more)
         smeared: LayUp | None = self.smeared.noun(thickness=self.thickness) if self.smeared is not None else None
-        deck = smeared or laid_up(self.layers or (), of.materials)
+        deck = smeared or lay_up_of(self.layers or (), of.materials)
         return super().made_of(name, of, material=deck, thickness=deck.thickness, **more)
 
 
@@ -466,7 +466,7 @@ class FoundationSpec(PartSpec):
         written = values.pop("stiffness")
         spread = {"normal": library()[values["like"]].number("stiffness_per_area")} if values["like"] else {}
         spread |= {key: one.value for key, one in (written or {}).items()}
-        return {**values, **spread, "on": on, "to": to, "like": told_of(values["like"])}
+        return {**values, **spread, "on": on, "to": to, "like": entry_source(values["like"])}
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -509,7 +509,7 @@ class FrameSpec(PartSpec):
 # Hangers and channels of ceilings as they are written.
 # ----------------------------------------------------------------------------------------------------------------------
 
-Hung = Annotated[Measured, Quantity(("stiffness", "stiffness/length"), least=0.0, which=True)]
+HangerStiffness = Annotated[Measured, Quantity(("stiffness", "stiffness/length"), least=0.0, which=True)]
 OwnMass = Annotated[Measured, Quantity(("mass", "mass/length"), least=0.0, which=True)]
 Spacing = Annotated[
     tuple[float, ...],
@@ -521,8 +521,8 @@ class HungSpec(Spec):
     """Stiffness of hangers: along the normal of the ceiling and both ways along it, of each or per length."""
 
     short = "normal"
-    normal: Hung
-    shear: Hung = Measured(0.0, None)
+    normal: HangerStiffness
+    shear: HangerStiffness = Measured(0.0, None)
 
 
 class HangersSpec(PartSpec):
@@ -629,7 +629,7 @@ class HangersSpec(PartSpec):
             if "loss_factor" not in self.model_fields_set:
                 values["loss_factor"] = entry.number("loss_factor") or 0.0
         at = tuple(self.at or ())
-        made = {"on": on, "to": to, "per": self.per, "at": at, "mass": self.mass.value, "like": told_of(self.like)}
+        made = {"on": on, "to": to, "per": self.per, "at": at, "mass": self.mass.value, "like": entry_source(self.like)}
         return {**values, **spread, **made}
 
 
@@ -797,7 +797,7 @@ def _mesh(value: object) -> object:
     if isinstance(value, list):
         if len(value) == 2 and all(isinstance(n, int) and not isinstance(n, bool) and 0 < n <= 2000 for n in value):
             return (value[0], value[1])
-        raise refuse(shown_as(value), "two whole numbers of divisions from 1 to 2000", "write [16, 16] or 30 mm")
+        raise refuse(quote_value(value), "two whole numbers of divisions from 1 to 2000", "write [16, 16] or 30 mm")
     return CELL.read(value)
 
 
@@ -883,7 +883,7 @@ class ShellSpec(FromMeshSpec):
     nonstructural: Annotated[float, Quantity(("mass/area",), least=0.0)] | None = None
 
     def made_of(self, name: str, of: Library, **more: Any) -> Part:
-        made = {} if self.layers is None else {"material": laid_up(self.layers, of.materials)}
+        made = {} if self.layers is None else {"material": lay_up_of(self.layers, of.materials)}
         return super().made_of(name, of, **made, **more)
 
 
@@ -901,7 +901,7 @@ class HoleSpec(Spec):
 
 def _cells(value: object) -> object:
     if isinstance(value, list):
-        raise refuse(shown_as(value), "a largest side of its elements", "write it like 200 mm")
+        raise refuse(quote_value(value), "a largest side of its elements", "write it like 200 mm")
     return CELL.read(value)
 
 

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, Final, get_origin
 
-from femstruct.errors import shown_as, some_of
+from femstruct.errors import list_some, quote_value
 from femstruct.language.model_file import ModelSpec
 from femstruct.language.not_computed import FALLING_PARTS
 from femstruct.yaml.reader import Here, Mistakes, Steps, Tree, dotted, mapping_in, nearest
-from femstruct.yaml.spec import Spec, found, references
+from femstruct.yaml.spec import Spec, names_at, references
 
 MODEL_KEYS: Final = frozenset(ModelSpec.model_fields) - {"title"}
 _CHANNELS: Final = ("record", "limits")  # top-level mappings from channels, which have dots
@@ -116,7 +116,7 @@ class Patch:
             self._remove(path, removed.at(number) if isinstance(listed, list) else removed)
         added = changes.get("add", {})
         if not isinstance(added, dict):
-            there.at("add").wrong(shown_as(added), "a mapping of new paths to values", of_key=True)
+            there.at("add").wrong(quote_value(added), "a mapping of new paths to values", of_key=True)
             return
         for key, value in added.items():
             self.add(key, value, there.at("add", key))
@@ -127,7 +127,7 @@ class Patch:
         draft = self.draft(path)
         steps = self._find(draft, path, there, may_be_new=True, of_cases=of_cases)
         if draft is not None and steps is not None:
-            self.changes[path] = _told(value)
+            self.changes[path] = _value_text(value)
             self._merge(draft, steps, value, there)
 
     def _merge(self, draft: Draft, steps: Steps, value: Any, there: Here) -> None:
@@ -156,11 +156,11 @@ class Patch:
             self._unknown(path, steps, rest, draft, there)
         elif there.need(isinstance(draft.at(steps), dict), f"'{path}'", "a path into a mapping", of_key=True):
             draft.put((*steps, rest), value, there)
-            self.changes[path] = f"added: {_told(value)}"
+            self.changes[path] = f"added: {_value_text(value)}"
 
     def _remove(self, path: Any, there: Here) -> None:
         if not there.need(
-            isinstance(path, str), shown_as(path), "a path", "write it like [bodies.damper]", of_key=True
+            isinstance(path, str), quote_value(path), "a path", "write it like [bodies.damper]", of_key=True
         ):
             return
         draft = self.draft(path)
@@ -178,19 +178,21 @@ class Patch:
     def _drop_dependents(self, kind: str, name: str) -> None:
         """What cannot be without the thing removed: what refers to it and goes with it; anything's records, their
         limits, and FRFs."""
-        gone, study = {name}, self.study
+        removed, study = {name}, self.study
         for draft, schema in ((study, study_schema), (self.model, lambda: ModelSpec)):
             if draft is not None:
                 going = [one.path for one in references(schema()) if one.refers.goes_with == kind]
-                for owner in {steps[:2] for path in going for steps, used in found(draft.value, path) if used == name}:
+                for owner in {
+                    steps[:2] for path in going for steps, used in names_at(draft.value, path) if used == name
+                }:
                     draft.drop(owner)
-                    gone.add(str(owner[1]))
+                    removed.add(str(owner[1]))
         if study is None or kind in ("materials", "sections", "frf", "cases"):
             return
         dropped = {name} if kind in ("record", "rooms") else set()
         for target in list(mapping_in(study.value, "record")):
             own = kind == "bodies" and target.startswith(f"{name} on ")
-            if own or not gone.isdisjoint((target, target.rpartition(".")[0])):
+            if own or not removed.isdisjoint((target, target.rpartition(".")[0])):
                 study.drop(("record", target))
                 dropped.add(target)
         for limit in list(mapping_in(study.value, "limits")):
@@ -198,7 +200,7 @@ class Patch:
                 study.drop(("limits", limit))
         for request, spec in list(mapping_in(study.value, "frf").items()):
             ends = [str(spec.get(side, "")) for side in ("drive", "response")] if isinstance(spec, dict) else []
-            if any(end.rpartition(".")[0] in gone for end in ends):
+            if any(end.rpartition(".")[0] in removed for end in ends):
                 study.drop(("frf", request))
 
     def added_by_cases(self, path: str) -> tuple[str, ...]:
@@ -262,11 +264,11 @@ class Patch:
         elif steps == ("model",):
             do = f"write paths of the model without 'model.': {rest}"
         elif not steps and (ends := self._ending_with(rest)):
-            do = f"did you mean one of {some_of(ends)}?" if len(ends) > 1 else f"did you mean '{ends[0]}'?"
+            do = f"did you mean one of {list_some(ends)}?" if len(ends) > 1 else f"did you mean '{ends[0]}'?"
         named = _is_named(steps) and isinstance(known, dict) and "." not in rest
         new = "a new one goes under 'add:'" if named else ""
-        told = "; ".join(text for text in (do, new) if text)
-        there.wrong(f"the path '{path}', which does not exist", "a path of the files", told, of_key=True)
+        advice = "; ".join(text for text in (do, new) if text)
+        there.wrong(f"the path '{path}', which does not exist", "a path of the files", advice, of_key=True)
 
     def _ending_with(self, rest: str) -> list[str]:
         """The paths of the files that end with a text, as `thickness` does for `parts.slab.thickness`."""
@@ -295,12 +297,12 @@ def _of_channels(steps: Steps) -> bool:
     return len(steps) == 1 and steps[0] in _CHANNELS
 
 
-def _told(value: Any) -> str:
+def _value_text(value: Any) -> str:
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_told(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {_value_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_told(item) for item in value) + "]"
-    return shown_as(value).strip("'")
+        return "[" + ", ".join(_value_text(item) for item in value) + "]"
+    return quote_value(value).strip("'")
 
 
 def _reach(value: Any, path: str) -> tuple[Steps, str]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from femstruct.declared import exactly_one
-from femstruct.errors import shown_as
+from femstruct.errors import quote_value
 from femstruct.model import regions
 from femstruct.quantities import Dashpot, Length, Position2, Position3, Quantity, Stiffness, refuse
 from femstruct.yaml.spec import Spec, Text, read_by
@@ -83,7 +83,7 @@ def _region(value: object) -> object:
         return {}
     if not isinstance(value, dict):
         raise refuse(
-            shown_as(value),
+            quote_value(value),
             "whole, {rectangle: [2.5, 4], at: [1.25, 2]} (sides and centre), {rim: [..]}, {line: [[..], [..]]} or "
             "{set: NAME}",
         )

@@ -15,10 +15,10 @@ from femstruct.yaml.reader import Here, nearest
 from femstruct.yaml.spec import Spec, Text
 
 
-def spot_of(text: str) -> Spot:
+def parse_spot(text: str) -> Spot:
     """An address such as ``O_s.z`` or ``ground.force``.
 
-    >>> spot_of("rail.2.z")
+    >>> parse_spot("rail.2.z")
     Spot(name='rail.2', what='z')
     """
     name, _, what = text.rpartition(".")
@@ -39,7 +39,7 @@ class FrfSpec(Spec):
     step: Frequency
 
     def given(self) -> dict[str, Any]:
-        return {**super().given(), "drive": spot_of(self.drive), "response": spot_of(self.response)}
+        return {**super().given(), "drive": parse_spot(self.drive), "response": parse_spot(self.response)}
 
     def check_in(self, here: Here, rooms: Mapping[str, RoomSpec]) -> None:
         """Note what is wrong with its addresses, band and step."""
@@ -153,5 +153,5 @@ class InitialSpec(Spec):
             here.at("rigid").need(moves, "no velocity and no spin", "a motion", do)
 
     def given(self) -> dict[str, Any]:
-        velocities = tuple((spot_of(address), one.value) for address, one in (self.velocity or {}).items())
+        velocities = tuple((parse_spot(address), one.value) for address, one in (self.velocity or {}).items())
         return {"velocities": velocities, "rigid": super().given()["rigid"]}

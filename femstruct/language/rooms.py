@@ -26,7 +26,7 @@ from acoustics.meshed.walls import MOST_ABSORBED, AnyWall, Wall, YieldingWall, a
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_coupling import Leak
 from femstruct.declared import exactly_one
-from femstruct.errors import shown_as
+from femstruct.errors import quote_value
 from femstruct.files.cavity_meshes import read_mesh
 from femstruct.files.text_tables import beside
 from femstruct.impact.scene import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
@@ -138,8 +138,10 @@ class WallSpec(Spec):
 
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
-        ways = ("mass", "stiffness", "resistance")
-        exactly_one(given, ("absorption", "impedance", *([key for key in ways if key in given][:1] or ways)))
+        alternatives = ("mass", "stiffness", "resistance")
+        exactly_one(
+            given, ("absorption", "impedance", *([key for key in alternatives if key in given][:1] or alternatives))
+        )
 
     @model_validator(mode="after")
     def _of_something(self) -> Self:
@@ -170,7 +172,7 @@ class WallSpec(Spec):
 def _receivers(value: object) -> object:
     expected = "[x, y, z] from the room's lower corner"
     if not isinstance(value, list):
-        raise refuse(shown_as(value), expected, "of several places write [[x, y, z], [x, y, z]]")
+        raise refuse(quote_value(value), expected, "of several places write [[x, y, z], [x, y, z]]")
     found = places(value)
     for place in found:
         if len(place) != 3:
@@ -182,7 +184,7 @@ Receivers = Annotated[tuple[tuple[float, float, float], ...], read_by(_receivers
 
 
 @dataclass(frozen=True)
-class Asked:
+class StudyRequests:
     """What a study says that its rooms depend on. powers : ROOM.power of all that are asked for."""
 
     time: TimeSpec | None
@@ -222,14 +224,14 @@ class RoomSpec(Spec):
 
     def heard_at(self) -> list[Receiver]:
         """The receivers it has."""
-        heard: list[Receiver] = []
+        receivers: list[Receiver] = []
         for name, found in self.receivers.items():
-            heard += [
+            receivers += [
                 Receiver(one, np.array(place)) for one, place in zip(members(name, len(found)), found, strict=True)
             ]
-        return heard
+        return receivers
 
-    def check_in(self, here: Here, name: str, asked: Asked) -> None:
+    def check_in(self, here: Here, name: str, requests: StudyRequests) -> None:
         """Note what is wrong with it in a study."""
         self.air.check(here.at("air"))
         for receiver, found in self.receivers.items():
@@ -258,7 +260,7 @@ MOST_ROOMS: Final = 100  # each is half a second or so
 def _ensemble(value: object) -> object:
     """A number of rooms: none, or so many that their spread means something."""
     if isinstance(value, bool) or not isinstance(value, int):
-        raise refuse(shown_as(value), "a whole number of rooms", "leave 'ensemble' out for 10")
+        raise refuse(quote_value(value), "a whole number of rooms", "leave 'ensemble' out for 10")
     if value != 0 and not FEWEST_ROOMS <= value <= MOST_ROOMS:
         expected = f"{FEWEST_ROOMS} or more, or 0 for none" if value < FEWEST_ROOMS else f"at most {MOST_ROOMS}"
         raise refuse(f"{value} rooms", expected, "leave 'ensemble' out for 10")
@@ -268,7 +270,7 @@ def _ensemble(value: object) -> object:
 def _surface(value: object) -> object:
     """The name of a surface."""
     if not isinstance(value, str):
-        raise refuse(shown_as(value), "the name of a surface, or a list of them", "write it like x0: wall face")
+        raise refuse(quote_value(value), "the name of a surface, or a list of them", "write it like x0: wall face")
     return value
 
 
@@ -354,8 +356,8 @@ class ClosedSpec(RoomSpec):
         """The losses it describes."""
         return self.losses.losses(self.form) if self.losses is not None else Losses()
 
-    def check_in(self, here: Here, name: str, asked: Asked) -> None:
-        super().check_in(here, name, asked)
+    def check_in(self, here: Here, name: str, requests: StudyRequests) -> None:
+        super().check_in(here, name, requests)
         form, t60 = here.at("form"), self.losses is not None and self.losses.t60 is not None
         source = self.form == "source"
         form.need(not (source and t60), "the source's form with t60", "beta or loss_factor", "leave out 'form'")
@@ -366,7 +368,7 @@ class ClosedSpec(RoomSpec):
             "add 'receivers:'",
         )
         if self.levels:
-            self._check_levels(here, asked)
+            self._check_levels(here, requests)
         self._check_sound_crosses(here)
         here.at("beyond_modes").need(
             self.levels or self.beyond_modes == "statistical",
@@ -381,12 +383,12 @@ class ClosedSpec(RoomSpec):
             )
             return
         form.need(
-            not source or asked.time is None,
+            not source or requests.time is None,
             "the source's form with two-way coupling in time",
             "causal",
             "leave out 'form'",
         )
-        closed = {other: room for other, room in asked.rooms.items() if isinstance(room, ClosedSpec)}
+        closed = {other: room for other, room in requests.rooms.items() if isinstance(room, ClosedSpec)}
         both = {other: room for other, room in closed.items() if room.coupling == "two-way"}
         others = [other for other, room in both.items() if room.moved & self.moved]
         if others[0] == name:
@@ -402,8 +404,8 @@ class ClosedSpec(RoomSpec):
         """Note a receiver that is not in a box."""
         if self.size is not None:
             inside = all(0 <= x <= length for x, length in zip(place, self.size, strict=True))
-            told = " x ".join(f"{length:g}" for length in self.size)
-            here.need(inside, f"{list(place)} m", f"a point of the room, {told} m", "from its lower corner")
+            size = " x ".join(f"{length:g}" for length in self.size)
+            here.need(inside, f"{list(place)} m", f"a point of the room, {size} m", "from its lower corner")
 
     def _check_sound_crosses(self, here: Here) -> None:
         """Sound of a box goes from wall to wall at least once while it dies away."""
@@ -419,21 +421,21 @@ class ClosedSpec(RoomSpec):
             f"did you mean {1e3 * shortest:g} s?",
         )
 
-    def _check_levels(self, here: Here, asked: Asked) -> None:
+    def _check_levels(self, here: Here, requests: StudyRequests) -> None:
         """Levels need compatible standards that rate the source, a receiver, a reverberation time to
         take out, and a sampling that has their bands."""
-        there, tapping = here.at("levels"), any(body.source == TAPPING_MACHINE for body in asked.bodies)
+        there, tapping = here.at("levels"), any(body.source == TAPPING_MACHINE for body in requests.bodies)
         there.need(
             self.receivers, "levels without receivers", "at least one receiver", "add 'receivers: {mic: [x, y, z]}'"
         )
         try:
             method = method_of(self.levels, "tapping" if tapping else "heavy")
-            for body in asked.bodies:
+            for body in requests.bodies:
                 refuse_source(self.levels, body.source or "")
         except AcousticsError as error:
             there.wrong(error.got, error.expected, error.do)
             return
-        for body in asked.bodies:
+        for body in requests.bodies:
             covering = body.covering if tapping else None
             missing = covering.missing(method.bands_hz) if covering is not None else []
             there.need(
@@ -448,16 +450,16 @@ class ClosedSpec(RoomSpec):
             "its reverberation time",
             "add 'losses: {t60: 0.5 s}'",
         )
-        if asked.time is None:
+        if requests.time is None:
             return
-        least, highest, sampling = method.least_sampling_hz, method.bands_hz[-1], asked.time.sampling
+        least, highest, sampling = method.least_sampling_hz, method.bands_hz[-1], requests.time.sampling
         there.need(
             sampling >= least,
             f"a sampling of {sampling:g} Hz",
             f"{least:g} Hz or more for the bands up to {highest:g} Hz",
             "sample faster",
         )
-        turn, duration = HAMMERS * BETWEEN_BLOWS, asked.time.duration
+        turn, duration = HAMMERS * BETWEEN_BLOWS, requests.time.duration
         here.outside(2).at("time", "duration").need(
             not tapping or duration >= turn,
             f"a tapping machine for {duration:g} s",
@@ -486,7 +488,7 @@ class ClosedSpec(RoomSpec):
             middle = room.middle_of(first)[room.along(first)].tolist()
             offset = (self.at[0] - middle[0], self.at[1] - middle[1])
         leak = self.leak.leak(self.air.rho) if self.leak is not None else None
-        asked, heard = self.losses.asked if self.losses is not None else {}, tuple(receivers)
+        t60, places = self.losses.asked if self.losses is not None else {}, tuple(receivers)
         placing, *others = moved.pop(first) if self.under is None else (self.under,)
         further = {first: tuple(others)} if others else {}
         further |= {wall: further.get(wall, ()) + names for wall, names in moved.items()}
@@ -495,11 +497,11 @@ class ClosedSpec(RoomSpec):
             name,
             room,
             under=placing,
-            receivers=heard,
+            receivers=places,
             offset=offset,
             coupling=self.coupling,
             leak=leak,
-            t60_asked=asked,
+            t60_asked=t60,
             levels=self.levels,
             animate=self.animate,
         )
@@ -560,19 +562,19 @@ class HalfSpaceSpec(RoomSpec):
             expected = f"air and receivers: there is no room {side} a surface"
             raise refuse(f"'{key}' beside '{side}'", expected, "write 'under' for a room")
 
-    def check_in(self, here: Here, name: str, asked: Asked) -> None:
+    def check_in(self, here: Here, name: str, requests: StudyRequests) -> None:
         """A directivity is of something that radiates, at frequencies that the sampling has."""
-        super().check_in(here, name, asked)
+        super().check_in(here, name, requests)
         if self.directivity:
-            there, moves = here.at("directivity"), asked.time is not None or f"{name}.power" in asked.powers
+            there, moves = here.at("directivity"), requests.time is not None or f"{name}.power" in requests.powers
             there.need(
                 moves,
                 "a directivity of nothing that moves",
                 "a simulation or a power",
                 f"add 'time:', or a response of 'kind: power' to '{name}.power'",
             )
-            if asked.time is not None:
-                asked.time.carries(there, max(self.directivity))
+            if requests.time is not None:
+                requests.time.carries(there, max(self.directivity))
 
     def check_receiver(self, here: Here, place: tuple[float, float, float]) -> None:
         side = "below" if self.above is None else "above"
@@ -648,30 +650,30 @@ class MeshedRoomSpec(ClosedSpec):
     @classmethod
     def refuse_keys(cls, given: Mapping[str, Any]) -> None:
         super().refuse_keys(given)
-        got, wanted, do = "modes", "walls", "remove 'modes'"
+        got, needed, do = "modes", "walls", "remove 'modes'"
         if "walls" in given:
-            got, wanted, do = "walls", "modes", "write 'modes: {up_to: 200 Hz}', up to which walls are included"
+            got, needed, do = "walls", "modes", "write 'modes: {up_to: 200 Hz}', up to which walls are included"
         if "size" in given and ("walls" in given) != ("modes" in given):
-            raise refuse(f"'{got}' of a room with a size", f"'{wanted}' beside '{got}'", do)
+            raise refuse(f"'{got}' of a room with a size", f"'{needed}' beside '{got}'", do)
 
     @property
     def takes_up_sound(self) -> bool:
         return super().takes_up_sound or any(wall.absorbs for wall in self.walls.values())
 
-    def check_in(self, here: Here, name: str, asked: Asked) -> None:
+    def check_in(self, here: Here, name: str, requests: StudyRequests) -> None:
         here.at("form").need(self.form == "causal", "the source's form in a meshed room", "causal", "leave out 'form'")
-        super().check_in(here, name, asked)
+        super().check_in(here, name, requests)
 
     def room(
         self, here: Here, receivers: list[Receiver], sources: dict[str, str], shaped: dict[str, ShapedRoom]
     ) -> ShapedRoom | None:
         """The room that another case has where all that is said of it is the same, else a new one."""
         shape = self.model_dump(include={"size", "mesh", "ceiling", "walls", "modes", "air", "losses"})
-        said = repr((here.tree.file, shape))
-        room = shaped[said] if said in shaped else self._new(here, sources)
+        key = repr((here.tree.file, shape))
+        room = shaped[key] if key in shaped else self._new(here, sources)
         if room is None or not (self._all_inside(here, room, receivers) and self._held(here)):
             return None
-        shaped[said] = room
+        shaped[key] = room
         return room
 
     def _new(self, here: Here, sources: dict[str, str]) -> ShapedRoom | None:

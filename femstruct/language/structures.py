@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field
 
 from femstruct.conventions import DIRECTIONS
 from femstruct.declared import Refers, exactly_one
-from femstruct.errors import FemstructError, InputError, shown_as
+from femstruct.errors import FemstructError, InputError, quote_value
 from femstruct.language.materials import Area, Losses
 from femstruct.language.parts import MESHED, MaterialName, PartSpec
 from femstruct.language.places import AnyRegion, RegionSpec
@@ -67,7 +67,7 @@ _WRITTEN = AtWord | Coordinate | list[Coordinate] | list[list[Coordinate]]
 def coordinates(value: object) -> tuple[float, ...]:
     """The coordinates of one place [m]."""
     if not isinstance(value, list) or not 1 <= len(value) <= 3:
-        raise refuse(shown_as(value), "a list of coordinates", "write center, [x, y] or [[x, y], [x, y]]")
+        raise refuse(quote_value(value), "a list of coordinates", "write center, [x, y] or [[x, y], [x, y]]")
     return tuple(Quantity(("length",)).read(one) for one in value)
 
 
@@ -171,13 +171,13 @@ def _fix(value: object) -> object:
     if isinstance(value, list) and value:
         return tuple(only(DIRECTIONS)(one) for one in value)
     expected = "simple, roller, clamped, simple hard, simple soft or a list of x, y, z, rx, ry, rz"
-    raise refuse(shown_as(value), expected, "write it like [z, rx]")
+    raise refuse(quote_value(value), expected, "write it like [z, rx]")
 
 
 def _walls(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_WALLS:
         raise refuse(
-            shown_as(value), f"1 to {MOST_WALLS}: how many walls stand at the edge", "write 2: above and below"
+            quote_value(value), f"1 to {MOST_WALLS}: how many walls stand at the edge", "write 2: above and below"
         )
     return value
 
@@ -281,7 +281,7 @@ class SupportSpec(Spec):
         there = here.at("fix")
         there.need(
             self.fix is None or pins(self.fix),
-            f"{shown_as(self.fix)} beside {'walls' if self.walls else 'springs'}",
+            f"{quote_value(self.fix)} beside {'walls' if self.walls else 'springs'}",
             "simple, roller, directions of x, y, z, or nothing",
             "what is clamped cannot turn; hold other directions by a support of their own",
         )
@@ -433,7 +433,7 @@ def _others(value: object) -> object:
     if isinstance(names, list) and names and all(isinstance(one, str) for one in names):
         return {"points": tuple(names)}
     if not isinstance(value, dict) or "points" in value:
-        raise refuse(shown_as(value), "names of points, or a region of a part", _MEANT)
+        raise refuse(quote_value(value), "names of points, or a region of a part", _MEANT)
     if value.keys() <= {"on", "at", *_REGIONS}:
         exactly_one(value, _REGIONS, or_none=True)
     return value
@@ -692,8 +692,8 @@ class GivenModesSpec(ClosedFormSpec):
         if len(ratios) != count:
             raise FemstructError("structure.ratio", got=f"{len(ratios)} ratios", expected=f"{count}, one a frequency")
         if any(later < former for former, later in pairwise(self.frequency)):
-            told = ", ".join(f"{frequency:g}" for frequency in self.frequency)
-            raise FemstructError("structure.frequency", got=f"[{told}] Hz", expected="frequencies that ascend")
+            frequencies = ", ".join(f"{frequency:g}" for frequency in self.frequency)
+            raise FemstructError("structure.frequency", got=f"[{frequencies}] Hz", expected="frequencies that ascend")
         for name, point in self.points.items():
             if len(point.shape) != count:
                 raise FemstructError(

@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, create_model
 
 from acoustics.fields.shaped import ShapedRoom
 from femstruct.declared import Refers
-from femstruct.errors import shown_as
+from femstruct.errors import quote_value
 from femstruct.impact.scene import BETWEEN_BLOWS, DROPPED, HAMMERS, TAPPING_MACHINE
 from femstruct.language import rooms
 from femstruct.language.bodies import (
@@ -19,14 +19,14 @@ from femstruct.language.bodies import (
     BodySpec,
     ContactSpec,
     LinkSpec,
+    array_size_of,
     array_sizes,
     bodies_of,
     check_contacts,
     drop_counts,
     ends_of,
-    joined,
+    first_blow_time,
     law_of,
-    turn,
 )
 from femstruct.language.evaluations import EVALUATION_KINDS, EvaluationSpec
 from femstruct.language.limits import FatigueSpec, Limits, check_limits, limited_room
@@ -34,14 +34,14 @@ from femstruct.language.loads import LoadSpec, MeasuredSourceSpec, VibrationSpec
 from femstruct.language.model_file import ModelSpec
 from femstruct.language.not_computed import BASE_IN_TIME, instead_of
 from femstruct.language.requests import FrfSpec, InitialSpec
-from femstruct.language.rooms import Asked, BoxRoomSpec, RoomSpec
+from femstruct.language.rooms import BoxRoomSpec, RoomSpec, StudyRequests
 from femstruct.language.varied import CampaignSpec
 from femstruct.language.window import AccuracySpec, ModesSpec, PeaksSpec, Recorded, TimeSpec, check_records
 from femstruct.modal.damping import Damping
 from femstruct.quantities import Instant, Measured, refuse
 from femstruct.study.acting import PlannedLoad, PlannedWalk
 from femstruct.study.asked import Extent, Limit, Record
-from femstruct.study.structures import StructureModel, as_many
+from femstruct.study.structures import StructureModel, with_mode_count
 from femstruct.study.study import Study
 from femstruct.yaml.reader import Here, Names, members
 from femstruct.yaml.spec import Spec, Text, check_references, kinds_of, read_by, union_of
@@ -76,7 +76,7 @@ else:
 def _changes(value: object) -> object:
     """A case is checked where it is applied; here only its form."""
     if not isinstance(value, dict | None):
-        raise refuse(shown_as(value), "a mapping of paths to values", "write it like {bodies.damper.mass: 0.9 kg}")
+        raise refuse(quote_value(value), "a mapping of paths to values", "write it like {bodies.damper.mass: 0.9 kg}")
     return value or {}
 
 
@@ -161,7 +161,7 @@ def drops(study: StudySpec, names: Names) -> dict[str, StudySpec]:
         body = study.bodies[name]
         for i in range(count):
             several = f"{i * HAMMERS + 1}-{(i + 1) * HAMMERS}"
-            found[f"{body.target}.{i + 1 if body.source in DROPPED else several}"] = spread(study, names, i)
+            found[f"{body.target}.{i + 1 if body.source in DROPPED else several}"] = expand_arrays(study, names, i)
     return found
 
 
@@ -196,7 +196,7 @@ class _Arrays:
         """Contacts or links with one for each body of an array between whose ends they are, by NAME.1, NAME.2, ..."""
         found: dict[str, Joining] = {}
         for name, spec in specs.items():
-            (first, second), counts = spec.between, joined(spec.between, self.sizes, names)
+            (first, second), counts = spec.between, array_size_of(spec.between, self.sizes, names)
             for i in range(1, max(counts) + 1) if counts else ():
                 between = self.member(first, i), self.member(second, i)
                 found[f"{name}.{i}"] = spec.model_copy(update={"between": between})
@@ -215,7 +215,7 @@ class _Arrays:
         return [name for name in joining if name.rpartition(".")[0] == target] or [target]
 
 
-def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
+def expand_arrays(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
     """The study with NAME.1, NAME.2, ... in place of every array NAME: its bodies, what joins and pushes them, and what
     is recorded of them. Both ends of a contact or link go along in step; one that is single stays.
 
@@ -230,9 +230,9 @@ def spread(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
     arrays = _Arrays(study.bodies, sizes, several, skipped)
     contacts, links = arrays.apart(study.contacts, names), arrays.apart(study.links, names)
     record: dict[str, tuple[str, ...]] = {}
-    for target, wanted in study.record.items():
+    for target, quantities in study.record.items():
         for one in arrays.each(target, [*contacts, *links]):  # a member may be named beside its array
-            record[one] = tuple(dict.fromkeys((*record.get(one, ()), *wanted)))
+            record[one] = tuple(dict.fromkeys((*record.get(one, ()), *quantities)))
     limits: dict[str, Measured] = {}
     for name, limit in study.limits.items():
         target, space, what = name.rpartition(" ")
@@ -256,7 +256,9 @@ def _each_body(study: StudySpec, arrays: _Arrays) -> dict[str, BodySpec]:
             if name in arrays.sizes:
                 changes[body.side] = arrays.target(name, i)
             if body.source == TAPPING_MACHINE and body.blows is not None:
-                changes["blows"] = body.blows.model_copy(update={"first": turn(i, _apart(study, body.blows))})
+                changes["blows"] = body.blows.model_copy(
+                    update={"first": first_blow_time(i, _apart(study, body.blows))}
+                )
             found[arrays.member(name, i)] = body.model_copy(update=changes)
     return found
 
@@ -314,9 +316,9 @@ def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     if _check_records(study, here, ends):  # limits are of what is recorded
         check_limits(here, study.limits, study.record, study.rooms, study.time is not None and study.time.gravity)
     powers = [one.response for one in study.frf.values() if one.kind == "power"]
-    asked = Asked(study.time, [*study.bodies.values()], powers, study.rooms)
+    requests = StudyRequests(study.time, [*study.bodies.values()], powers, study.rooms)
     for name, room in study.rooms.items():
-        room.check_in(here.at("rooms", name), name, asked)
+        room.check_in(here.at("rooms", name), name, requests)
     _check_time(study, here, structure)
     if study.compare is not None and study.cases:
         here.at("compare", "baseline").known(study.compare.baseline, "case", study.cases)
@@ -423,7 +425,7 @@ def _check_records(study: StudySpec, here: Here, ends: Collection[str]) -> bool:
     places = {*here.names.points, *here.names.places, *ends}
     unplaced = tuple(f"{name} on " for name, body in study.bodies.items() if body.target not in places)
     records = {target: what for target, what in study.record.items() if not target.startswith(unplaced)}
-    parted = spread(study, here.names)
+    parted = expand_arrays(study, here.names)
     forced = [*here.names.forces, *study.contacts, *parted.contacts, *study.links, *parted.links]
     for spec in (study, parted):
         forced += [f"{name} on {body.target}" for name, body in spec.bodies.items() if body.contact is not None]
@@ -461,7 +463,7 @@ def study_of(
     measured = here.each("sources", study.sources, lambda _, name, one: one.noun(name=name))
     rooms = here.each("rooms", study.rooms, lambda there, name, one: one.build(there, name, sources, shaped))
     extent = study.modes.noun() if study.modes is not None else Extent()
-    known = here.at("modes").make(lambda: as_many(structure, extent))
+    known = here.at("modes").make(lambda: with_mode_count(structure, extent))
     if here.mistakes.lines or known is None:
         return None
     return Study(
@@ -476,7 +478,7 @@ def study_of(
         loads=tuple(load for load in loads if isinstance(load, PlannedLoad)),
         walks=tuple(load for load in loads if isinstance(load, PlannedWalk)),
         initial=study.initial.noun(),
-        records=tuple(Record(target, what) for target, wanted in study.record.items() for what in wanted),
+        records=tuple(Record(target, what) for target, quantities in study.record.items() for what in quantities),
         time=study.time.noun(quiet=study.quiet) if study.time is not None else None,
         peaks=study.peaks.noun(),
         rooms=tuple(rooms.values()),

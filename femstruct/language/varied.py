@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from femstruct.errors import InputError, shown_as
+from femstruct.errors import InputError, quote_value
 from femstruct.quantities import Measured, Quantity, refuse
 from femstruct.study.campaigns import Listed, Sampling, Scattered
 from femstruct.study.optima import Goal
@@ -37,7 +37,7 @@ _pair = so_many(_quantity, (2,), "two numbers [from, to]", "write it like [25 GP
 def _values(value: object) -> object:
     if not isinstance(value, list) or not value:
         raise refuse(
-            "an empty list" if value == [] else shown_as(value), "a list of values", "write it like [180 mm, 200 mm]"
+            "an empty list" if value == [] else quote_value(value), "a list of values", "write it like [180 mm, 200 mm]"
         )
     return value
 
@@ -211,7 +211,7 @@ def _names(value: object) -> object:
     """One name as a list of one."""
     if not isinstance(value, str | list):
         raise refuse(
-            shown_as(value),
+            quote_value(value),
             "the name of a number, or a list of names",
             "write it like [bodies.damper.mass, ground force]",
         )

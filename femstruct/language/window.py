@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Final, Literal, get_args
 
-from femstruct.errors import shown_as
+from femstruct.errors import quote_value
 from femstruct.language.not_computed import BASE_IN_TIME, instead_of
 from femstruct.language.parts import STRESSED
 from femstruct.quantities import FREQUENCY, Band, Duration, Frequency, Quantity, refuse
@@ -43,7 +43,7 @@ class _Window(Quantity):
         seconds = super().read(value)
         if isinstance(value, int | float) and seconds > LONGEST_PLAIN:
             do = f"a plain number is in seconds: did you mean {seconds:g} ms? Else write {seconds:g} s"
-            raise refuse(shown_as(value), f"a unit with a window of more than {LONGEST_PLAIN:g} s", do)
+            raise refuse(quote_value(value), f"a unit with a window of more than {LONGEST_PLAIN:g} s", do)
         return seconds
 
 
@@ -132,7 +132,7 @@ def check_records(
     here: Here, records: Mapping[str, Collection[str]], bodies: Collection[str], forced: Collection[str]
 ) -> None:
     """Note what cannot be recorded. bodies : their names. forced : names of all that has a force."""
-    for target, what in ((target, what) for target, wanted in records.items() for what in wanted):
+    for target, what in ((target, what) for target, quantities in records.items() for what in quantities):
         there, got = here.at("record", target), f"'{target}'"
         if what == "stress":
             stressed = here.names.known.get(STRESSED, ())

@@ -27,9 +27,9 @@ def _spring(system: System, a: int, delta: float) -> tuple[float, float, float]:
 
 
 @kernel
-def _beside(system: System, a: int, rest: float, moved: float) -> float:
+def _beside(system: System, a: int, static_indentation: float, moved: float) -> float:
     stiffness, cubic = system.interfaces[a]["stiffness"], system.interfaces[a]["shape"]
-    square = 1.5 * rest * rest + moved * (rest + 0.25 * moved)
+    square = 1.5 * static_indentation * static_indentation + moved * (static_indentation + 0.25 * moved)
     return float((0.5 * stiffness + cubic * square) * moved * moved)
 
 

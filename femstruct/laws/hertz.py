@@ -36,12 +36,20 @@ def _force(system: System, a: int, delta: float, speed: float) -> tuple[float, f
 
 
 @kernel
-def _beside(system: System, a: int, rest: float, moved: float) -> float:
+def _beside(system: System, a: int, static_indentation: float, moved: float) -> float:
     """With r = sqrt(1 + x / d): k d^(5/2) (r - 1)^2 (0.4 r^3 + 0.8 r^2 + 1.2 r + 0.6)."""
-    stiffness, share = system.interfaces[a]["stiffness"], moved / rest
+    stiffness, share = system.interfaces[a]["stiffness"], moved / static_indentation
     r = np.sqrt(1.0 + share)
     beyond = share / (1.0 + r)
-    return float(stiffness * rest * rest * np.sqrt(rest) * beyond * beyond * (0.6 + r * (1.2 + r * (0.8 + r * 0.4))))
+    return float(
+        stiffness
+        * static_indentation
+        * static_indentation
+        * np.sqrt(static_indentation)
+        * beyond
+        * beyond
+        * (0.6 + r * (1.2 + r * (0.8 + r * 0.4)))
+    )
 
 
 CODE: Final = Code(_spring, _force, _beside)
@@ -121,8 +129,8 @@ class Hertz(Law):
 
     @staticmethod
     def rests(preload: Floats, laws: Records) -> Floats:
-        rest: Floats = (preload / laws["stiffness"]) ** (1.0 / 1.5)
-        return rest
+        indentation: Floats = (preload / laws["stiffness"]) ** (1.0 / 1.5)
+        return indentation
 
     @staticmethod
     def quickest(spring: Floats, dashpot: Floats, speed: Floats) -> Floats:

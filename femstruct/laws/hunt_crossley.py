@@ -52,8 +52,8 @@ class PowerLaw(Law):
 
     @staticmethod
     def rests(preload: Floats, laws: Records) -> Floats:
-        rest: Floats = (preload / laws["stiffness"]) ** (1.0 / laws["shape"])
-        return rest
+        indentation: Floats = (preload / laws["stiffness"]) ** (1.0 / laws["shape"])
+        return indentation
 
 
 @stored_as("contact law of Hunt and Crossley/1")

@@ -19,7 +19,7 @@ from femstruct.compiled.records import NUMBERS, Records
 from femstruct.declared import units_of
 from femstruct.errors import Finding, InputError
 from femstruct.laws.restitution import dissipation_for
-from femstruct.model.materials import Given, given
+from femstruct.model.materials import Given, given_fields
 from femstruct.quantities import Quantity
 
 Kernel = Callable[..., Any]
@@ -89,7 +89,7 @@ class Law(ABC):
 
     def described(self) -> tuple[Given, ...]:
         """What is given of it, for tables of the inputs and for comparing cases."""
-        return given(self, units_of(self))
+        return given_fields(self, units_of(self))
 
     @property
     @abstractmethod
@@ -159,20 +159,20 @@ def refuse_unless_positive(where: str, value: float) -> None:
         raise InputError(where, got=f"{value:g}", expected=f"a positive {where.split()[-1]}")
 
 
-def misses(asked: float, returned: float) -> bool:
+def misses(required: float, returned: float) -> bool:
     """Whether a restitution is not what was asked for."""
-    return abs(returned - asked) > RESTITUTION_MISSED
+    return abs(returned - required) > RESTITUTION_MISSED
 
 
-def missed_restitution(contact: str, whose: str, asked: float, returned: float, speed: float) -> tuple[Finding, ...]:
+def missed_restitution(contact: str, owner: str, required: float, returned: float, speed: float) -> tuple[Finding, ...]:
     """The finding of a law that misses its restitution at its meeting speed [m/s]."""
-    if not misses(asked, returned):
+    if not misses(required, returned):
         return ()
     return (
         Finding(
             MISSED,
-            f"Contact '{contact}' requires a restitution of {asked:g} at {speed:g} m/s; the law of {whose} gives "
+            f"Contact '{contact}' requires a restitution of {required:g} at {speed:g} m/s; the law of {owner} gives "
             f"{returned:.3f}. This law is valid near 1; hunt-crossley gives the required value.",
-            {"restitution": asked, "returned": returned, "speed_m_s": speed},
+            {"restitution": required, "returned": returned, "speed_m_s": speed},
         ),
     )

@@ -36,7 +36,7 @@ def _force(system: System, a: int, delta: float, speed: float) -> tuple[float, f
 
 
 @kernel
-def _beside(system: System, a: int, rest: float, moved: float) -> float:
+def _beside(system: System, a: int, static_indentation: float, moved: float) -> float:
     return float(0.5 * system.interfaces[a]["stiffness"] * moved * moved)
 
 

@@ -77,9 +77,9 @@ def _as_factor(system: System, a: int, delta: float, speed: float) -> tuple[floa
 
 
 @kernel
-def _difference(system: System, a: int, rest: float, moved: float) -> float:
-    there = spring(system, a, rest + moved)[2] if rest + moved > 0.0 else 0.0
-    force, _, here = spring(system, a, rest)
+def _difference(system: System, a: int, static_indentation: float, moved: float) -> float:
+    there = spring(system, a, static_indentation + moved)[2] if static_indentation + moved > 0.0 else 0.0
+    force, _, here = spring(system, a, static_indentation)
     return float(there - here - force * moved)
 
 

@@ -14,7 +14,7 @@ from femstruct.arrays import Floats
 from femstruct.assembly.matrices import Assembly
 from femstruct.errors import Finding, NotConverged
 from femstruct.modal.eigen import Modes, factorise
-from femstruct.modal.residuals import complement_solve, projected
+from femstruct.modal.residuals import complement_solve, project
 from femstruct.model.materials import LossByFrequency, loss_at
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -33,7 +33,7 @@ class Varying(NamedTuple):
     grows: bool
 
 
-def varying(assembly: Assembly, lossy: bool) -> tuple[Varying, ...]:
+def loss_terms(assembly: Assembly, lossy: bool) -> tuple[Varying, ...]:
     """Walls at edges, and the losses of parts whose loss factors depend on frequency; lossy : whether the law of
     damping asks for those of parts, else walls are springs alone."""
     found = []
@@ -82,7 +82,7 @@ class OwnModes:
     omega: Floats
     loss: Floats
     turn: Floats
-    rest: Floats
+    residual_squared: Floats
     shares: Floats
     first_order: Floats
 
@@ -117,9 +117,9 @@ def own_modes(
     roots, shapes, first_order = roots[order], shapes[:, order], first_order[order]
     _refuse_twins(roots, shapes, reference)
     lost = np.array([np.einsum("ir,ij,jr->r", shapes.conj(), wall.imag, shapes).real for wall in walls])
-    turn, rest = _turned(stiffness, shapes.real, rigid, np.eye(k)[:, count : count + residual])
+    turn, residual_squared = _turned(stiffness, shapes.real, rigid, np.eye(k)[:, count : count + residual])
     loss = 2.0 * roots.imag / roots.real
-    return OwnModes(roots.real, loss, turn, rest, lost / lost.sum(axis=0).clip(1e-300), first_order)
+    return OwnModes(roots.real, loss, turn, residual_squared, lost / lost.sum(axis=0).clip(1e-300), first_order)
 
 
 def _real_ones(bare: Floats, wall: Floats, reference: float, rigid: int, count: int) -> tuple[Floats, Floats]:
@@ -191,8 +191,8 @@ def _turned(stiffness: Floats, shapes: Floats, rigid: int, residual: Floats) -> 
         others = others - modes @ (modes.T @ others)
     span, sizes, _ = np.linalg.svd(others, full_matrices=False)
     kept = span[:, sizes > DEPENDENT]
-    rest, turn = np.linalg.eigh(kept.T @ stiffness @ kept)
-    return np.concatenate([modes, kept @ turn], axis=1), rest
+    residual_squared, turn = np.linalg.eigh(kept.T @ stiffness @ kept)
+    return np.concatenate([modes, kept @ turn], axis=1), residual_squared
 
 
 def wall_shares(own: OwnModes, index: int, loss: float, wall: Floats, rigid: int) -> Floats:
@@ -218,7 +218,7 @@ STRONG: Final = 0.1  # loss factor from which on a sum of real modes is off by h
 OFF_DB: Final = 4.0  # dB for a loss factor of one: measured 1.5 at 0.36 and 0.6 at 0.23
 
 
-def referred(assembly: Assembly, frequency_hz: float) -> Assembly:
+def at_frequency(assembly: Assembly, frequency_hz: float) -> Assembly:
     """The assembly with the walls at its edges as they are at another frequency [Hz]."""
     scales = {name: (frequency_hz / at) ** 0.5 for name, at in assembly.growing.items()}
     parts = {name: csc_array(scales.get(name, 1.0) * part) for name, part in assembly.part_stiffness.items()}
@@ -253,7 +253,7 @@ def complex_walls(assembly: Assembly, shapes: Floats) -> dict[str, Complex]:
     for name in assembly.growing:
         loss = assembly.loss_factors[name]
         assert isinstance(loss, float)
-        found[name] = np.asarray((1.0 + 1j * loss) * projected(assembly.part_stiffness[name], shapes))
+        found[name] = np.asarray((1.0 + 1j * loss) * project(assembly.part_stiffness[name], shapes))
     return found
 
 

@@ -24,7 +24,7 @@ from femstruct.assembly.matrices import Assembly
 from femstruct.conventions import N_COMPONENTS
 from femstruct.declared import expect
 from femstruct.errors import FemstructError, NotConverged
-from femstruct.modal.by_frequency import Varying, varying
+from femstruct.modal.by_frequency import Varying, loss_terms
 from femstruct.modal.damping import Damping, FromMaterials
 from femstruct.modal.frf import lossy_matrices
 from femstruct.sparse import FASTEST, SOLVERS, aligned
@@ -112,7 +112,7 @@ def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> Complex
     -----
     A loss factor acts at all frequencies as at each mode's own, as in a frequency response; motions that only fade
     (overdamped) are left out. All modes with a damping ratio up to 0.66 are looked for; that none is missing is not
-    proved, as it is for real modes. Of a free structure rounding errors of lambda = 0 are among them; `elastic_ones`
+    proved, as it is for real modes. Of a free structure rounding errors of lambda = 0 are among them; `elastic_modes`
     leaves them out.
 
     >>> from scipy.sparse import csc_array
@@ -130,12 +130,12 @@ def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> Complex
     K, C = lossy_matrices(assembly, damping)
     M = assembly.M
     top = 2.0 * np.pi * up_to
-    parts = varying(assembly, isinstance(damping.base, FromMaterials))
+    parts = loss_terms(assembly, isinstance(damping.base, FromMaterials))
     if parts:
         return _each_at_its_own(assembly, (K, C, M), parts, top)
     values, vectors = _of_constant(K, C, M, top, 1.0)
     residual = _residual(values, vectors, K, C, M)
-    return _told(assembly, values, vectors, residual)
+    return _complex_modes_of(assembly, values, vectors, residual)
 
 
 def _of_constant(K: csc_array, C: csc_array, M: csc_array, top: float, reach: float) -> tuple[Complex, Complex]:
@@ -173,7 +173,7 @@ def _each_at_its_own(
         if abs(values[i] - values[i - 1]) < SAME * abs(values[i]) and alike > 1.0 - SAME:
             hz = abs(values[i]) / (2.0 * np.pi)
             raise NotConverged("complex modes", got=f"one mode twice, at {hz:.4g} Hz", do="use another --up-to")
-    return _told(assembly, values, vectors, residual)
+    return _complex_modes_of(assembly, values, vectors, residual)
 
 
 def _followed(
@@ -212,7 +212,7 @@ def _sum(matrix: csc_array, parts: tuple[Varying, ...], omega: complex, slope: c
     return total
 
 
-def _told(assembly: Assembly, values: Complex, vectors: Complex, residual: Floats) -> ComplexModes:
+def _complex_modes_of(assembly: Assembly, values: Complex, vectors: Complex, residual: Floats) -> ComplexModes:
     """The modes, if all are converged."""
     if residual.size and residual.max() > CONVERGED:
         raise NotConverged("complex modes", got=f"a residual of {residual.max():.1e}", expected=f"{CONVERGED:g}")
@@ -220,7 +220,7 @@ def _told(assembly: Assembly, values: Complex, vectors: Complex, residual: Float
     return ComplexModes(values, _turned(nodal), residual)
 
 
-def elastic_ones(found: ComplexModes, rigid: Floats) -> ComplexModes:
+def elastic_modes(found: ComplexModes, rigid: Floats) -> ComplexModes:
     """Those that are no rigid-body motions: of a free structure lambda = 0 is a double root, and what is found near it
     are rounding errors, with any damping.
 
@@ -249,26 +249,24 @@ def _near(
 
     operator: Any = LinearOperator((2 * n, 2 * n), matvec=inverse, dtype=np.complex128)
     start = np.random.default_rng(11).standard_normal(2 * n).astype(np.complex128)
-    wanted = min(20, 2 * n)
+    count = min(20, 2 * n)
     while True:
-        if 2 * n <= wanted + 2 * SPARE:
+        if 2 * n <= count + 2 * SPARE:
             inverted, pairs = _all(inverse, n)
         else:
             most = PATIENCE if n <= FEW else None
             try:
-                inverted, pairs = eigs(
-                    operator, wanted + SPARE, v0=start, ncv=min(2 * n, 2 * wanted + 20), maxiter=most
-                )
+                inverted, pairs = eigs(operator, count + SPARE, v0=start, ncv=min(2 * n, 2 * count + 20), maxiter=most)
             except ArpackNoConvergence as error:  # rates beta K gather eigenvalues at -1 / beta
                 if n > FEW:
-                    got = f"{len(error.eigenvalues)} of {wanted + SPARE}"
+                    got = f"{len(error.eigenvalues)} of {count + SPARE}"
                     raise NotConverged("complex modes", got=got) from error
                 inverted, pairs = _all(inverse, n)
         found = np.abs(inverted) > 0.0
         values = shift + 1.0 / inverted[found]
         if (np.abs(values - shift) > REACH * top).any() or len(inverted) == 2 * n:
             return values, pairs[:n, found]
-        wanted = min(2 * wanted, 2 * n)
+        count = min(2 * count, 2 * n)
 
 
 def _refined(value: complex, vector: Complex, K: csc_array, C: csc_array, M: csc_array) -> tuple[complex, Complex]:

@@ -97,7 +97,7 @@ def beyond_tables(basis: ModalBasis) -> tuple[Finding, ...]:
             Finding(
                 "loss-beyond-table",
                 f"{part}: its loss factor is given from {low:g} to {high:g} Hz. {int(outside.sum())} of the "
-                f"{int(strained.sum())} modes that strain it are outside, {_told(first, last)}, and have "
+                f"{int(strained.sum())} modes that strain it are outside, {_band_text(first, last)}, and have "
                 "the value of the nearest frequency",
                 {"modes": float(outside.sum()), "lowest_hz": float(first), "highest_hz": float(last)},
             )
@@ -105,7 +105,7 @@ def beyond_tables(basis: ModalBasis) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def _told(first: float, last: float) -> str:
+def _band_text(first: float, last: float) -> str:
     """A range of frequencies [Hz] in words, or the one there is."""
     low, high = f"{first:.4g}", f"{last:.4g}"
     return f"at {low} Hz" if low == high else f"from {low} to {high} Hz"
@@ -391,14 +391,14 @@ def _exceptions(
 def _misplaced(basis: ModalBasis, mode: ModeDamping) -> InputError:
     frequency = basis.frequency_hz[basis.modes]
     nearest = np.sort(np.argsort(np.abs(frequency - mode.near_hz), kind="stable")[:3])
-    told = ", ".join(f"mode {i + 1} at {frequency[i]:.4g} Hz" for i in nearest)
+    listed = ", ".join(f"mode {i + 1} at {frequency[i]:.4g} Hz" for i in nearest)
     inside = mode.number <= len(frequency)
     got = f"mode {mode.number} at {frequency[mode.number - 1]:.4g} Hz" if inside else f"{len(frequency)} modes only"
     return InputError(
         f"damping.modes.{mode.number}",
         got=got,
         expected=f"mode {mode.number} within 5 % of {mode.near_hz:.4g} Hz",
-        do=f"nearest are {told}",
+        do=f"nearest are {listed}",
     )
 
 

@@ -395,7 +395,7 @@ def orthonormalise(M: csc_array, shapes: Floats) -> Floats:
     return np.ascontiguousarray(shapes)
 
 
-def signed(shapes: Floats, weights: Floats) -> Floats:
+def fix_signs(shapes: Floats, weights: Floats) -> Floats:
     """The shapes [n, k] with the sign that makes the largest of weights * component positive.
 
     Of components equal to 0.1 % (symmetric shapes have many) the first decides, so rounding cannot turn it.
@@ -405,9 +405,9 @@ def signed(shapes: Floats, weights: Floats) -> Floats:
     return shapes * np.where(shapes[first, np.arange(shapes.shape[1])] < 0, -1.0, 1.0)
 
 
-def _refuse_components(what: str, got: str, wanted: int, n: int, do: str) -> None:
+def _refuse_components(what: str, got: str, count: int, n: int, do: str) -> None:
     """Raise InputError, before the search, where as many shapes [n, wanted] do not fit into memory."""
-    if wanted * n > MOST_COMPONENTS:
+    if count * n > MOST_COMPONENTS:
         most = f"at most {MOST_COMPONENTS // n} of so many"
         raise InputError(what, got=f"{got} of {n} degrees of freedom", expected=most, do=do)
 
@@ -424,7 +424,7 @@ def _count_near(pencil: Pencil, mu: float) -> tuple[float, int]:
     raise NotConverged("inertia count", got=f"unusable pivots near omega^2 = {mu:.6g}", do="move the upper frequency")
 
 
-def _shifted(pencil: Pencil, wanted: int, limit: float, labels: Sequence[str]) -> tuple[Factor, Krylov]:
+def _shifted(pencil: Pencil, count: int, limit: float, labels: Sequence[str]) -> tuple[Factor, Krylov]:
     """A factor of K - sigma M with -sigma between the first elastic omega^2 and the highest asked for, and its space.
 
     Nearer to zero the rigid modes lose digits, farther away Lanczos converges slowly; in between both are harmless.
@@ -434,10 +434,10 @@ def _shifted(pencil: Pencil, wanted: int, limit: float, labels: Sequence[str]) -
     loaded = (mass > 0) & (stiffness > 0)
     # The coarsest and the finest shape of n degrees of freedom: n^2 apart in omega^2 in plates, n^(2/3) in solids.
     guess = float(np.median(stiffness[loaded] / mass[loaded])) / len(mass) ** 1.5 if loaded.any() else 1.0
-    # `wanted` modes lie below a limit, so the first elastic one is above limit / wanted^2 or so. Where the limit is far
+    # `count` modes lie below a limit, so the first elastic one is above limit / wanted^2 or so. Where the limit is far
     # below all that is elastic, a shift as small would drown the modes between in rounding.
-    if _DROWNS * guess < limit / (wanted + 1) < np.inf:
-        factor = factorise(pencil, -limit / (wanted + 1), labels)
+    if _DROWNS * guess < limit / (count + 1) < np.inf:
+        factor = factorise(pencil, -limit / (count + 1), labels)
         return factor, Krylov(M, factor.solve)
     sigma = -guess
     for _ in range(_ATTEMPTS):
@@ -463,9 +463,9 @@ def _rough_elastic(space: Krylov, factor: Factor) -> Floats:
 
 
 def _complete(
-    pencil: Pencil, first: int, mu: float, wanted: int, labels: Sequence[str]
+    pencil: Pencil, first: int, mu: float, count: int, labels: Sequence[str]
 ) -> tuple[Floats, Floats, float, float]:
-    """Modes up to `wanted`, sought in a wider space until the inertia count agrees: (values, shapes, sigma, complete).
+    """Modes up to `count`, sought in a wider space until the inertia count agrees: (values, shapes, sigma, complete).
 
     The factor to solve with is gone when that to count with is made: of a million unknowns each takes 2 GB.
     """
@@ -474,11 +474,11 @@ def _complete(
     counted: int | None
     for attempt in range(_ATTEMPTS):
         values, shapes, sigma = _lowest(pencil, min(ask, n), (first, mu), attempt, labels)
-        level, counted = mu, wanted
+        level, counted = mu, count
         if np.isinf(mu):
             if len(values) == n or len(values) < ask:
                 return values, shapes, sigma, np.inf  # all modes there are
-            upto = _gap(values, wanted, _UNRESOLVED * abs(sigma))
+            upto = _gap(values, count, _UNRESOLVED * abs(sigma))
             if upto == len(values):
                 ask *= 2
                 continue
@@ -490,32 +490,32 @@ def _complete(
         expected = counted
         found = int(np.count_nonzero(values < level))
         if found == expected:
-            return values, shapes, sigma, float(values[wanted] if np.isinf(mu) else mu)
+            return values, shapes, sigma, float(values[count] if np.isinf(mu) else mu)
         ask = min(n, max(ask, expected) + 4 * (attempt + 1))
-    told = f"{found} modes" if found >= 0 else "frequencies too close to count between"
+    got = f"{found} modes" if found >= 0 else "frequencies too close to count between"
     expects = f"{expected} by the inertia count" if found >= 0 else "a gap after the last one asked for"
-    raise NotConverged("modes", got=told, expected=expects, do="ask for another number of modes or upper limit")
+    raise NotConverged("modes", got=got, expected=expects, do="ask for another number of modes or upper limit")
 
 
-def _gap(values: Floats, wanted: int, resolved: float) -> int:
-    """Index after `wanted` or a little later where the next eigenvalue is farthest off, to count in the gap; the
+def _gap(values: Floats, count: int, resolved: float) -> int:
+    """Index after `count` or a little later where the next eigenvalue is farthest off, to count in the gap; the
     number of values when there is none above `resolved`, or only equal ones."""
-    later = np.arange(wanted, len(values))
+    later = np.arange(count, len(values))
     later = later[values[later] > resolved]
     apart = values[later] / values[later - 1].clip(resolved)
     return int(later[np.argmax(apart)]) if apart.max(initial=1.0) > 1.0 + _GROUP else len(values)
 
 
 def _lowest(
-    pencil: Pencil, k: int, asked: tuple[int, float], attempt: int, labels: Sequence[str]
+    pencil: Pencil, k: int, request: tuple[int, float], attempt: int, labels: Sequence[str]
 ) -> tuple[Floats, Floats, float]:
     """The k lowest eigenpairs by shift-invert, ascending, M-orthonormal, signed, and the shift.
 
-    asked : number of modes and limit that the shift is chosen by. attempt : how often modes were missing before; the
+    request : number of modes and limit that the shift is chosen by. attempt : how often modes were missing before; the
     space has as many more random directions.
     """
     n, M = pencil.K.shape[0], pencil.M
-    factor, space = _shifted(pencil, *asked, labels)
+    factor, space = _shifted(pencil, *request, labels)
     for _ in range(attempt):
         space.widen()
     tol = _CONVERGED if attempt == 0 else 1e-2 * _CONVERGED
@@ -527,7 +527,7 @@ def _lowest(
     del space  # a third of all memory
     order = np.argsort(values, kind="stable")
     values, shapes = values[order], orthonormalise(M, shapes[:, order])
-    shapes = signed(shapes, np.sqrt(np.abs(M.diagonal())))
+    shapes = fix_signs(shapes, np.sqrt(np.abs(M.diagonal())))
     return values, _purified(M, factor, values, shapes), factor.sigma
 
 
@@ -575,7 +575,7 @@ def _purified(M: csc_array, factor: Factor, values: Floats, shapes: Floats) -> F
         return shapes
     purer = shapes.copy()
     purer[:, soft] = factor.solve(M @ shapes[:, soft])
-    return signed(orthonormalise(M, purer), np.sqrt(np.abs(M.diagonal())))
+    return fix_signs(orthonormalise(M, purer), np.sqrt(np.abs(M.diagonal())))
 
 
 def _classified(
@@ -593,7 +593,7 @@ def _classified(
         found, turn = eigh(0.5 * (projected + projected.T))
         values, shapes = values.copy(), shapes.copy()
         values[slack] = np.where(np.abs(found) <= _UNTOUCHED * scale, 0.0, found)
-        shapes[:, slack] = signed(shapes[:, slack] @ turn, np.sqrt(np.abs(M.diagonal())))
+        shapes[:, slack] = fix_signs(shapes[:, slack] @ turn, np.sqrt(np.abs(M.diagonal())))
     # Of those it does touch, only the lowest ones can strain nothing but rounding.
     unstrained = relative_energy(K, shapes) < UNSTRAINED
     rigid = np.where(slack, values == 0.0, np.logical_and.accumulate(slack | unstrained))

@@ -14,7 +14,7 @@ from femstruct.assembly.matrices import Assembly
 from femstruct.declared import expect
 from femstruct.errors import InputError, NotConverged
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.by_frequency import varying, without_walls
+from femstruct.modal.by_frequency import loss_terms, without_walls
 from femstruct.modal.coupled_damping import CoupledModes
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Rayleigh
 from femstruct.modal.residuals import AXES
@@ -57,7 +57,7 @@ def amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tup
         yield lines, np.divide(pushed, dynamic, out=np.zeros_like(dynamic), where=dynamic != 0.0)
 
 
-def superposed(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats, tell: Tell = lambda done: None) -> Complex:
+def superpose(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats, tell: Tell = lambda done: None) -> Complex:
     """What `rows` read of the motion under harmonic modal forces [k], at each omega [nf].
 
     tell : is given the number of lines that are done.
@@ -65,13 +65,13 @@ def superposed(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats, tel
     answer: Complex = np.empty(len(omega), dtype=np.complex128)
     done = 0
     for lines, q in amplitudes(basis, pushed, omega):
-        answer[lines] = read(rows, q, omega[lines])
+        answer[lines] = read_rows(rows, q, omega[lines])
         done += len(lines)
         tell(done)
     return answer
 
 
-def read(rows: Rows, q: Complex, omega: Floats) -> Complex:
+def read_rows(rows: Rows, q: Complex, omega: Floats) -> Complex:
     """What `rows` read of modal coordinates [lines, k] at omega [lines]."""
     w = omega[:, None]
     found: Complex = ((rows[0] + w * rows[1] + w**2 * rows[2]) * q).sum(axis=1)
@@ -154,16 +154,16 @@ def frf(
         raise InputError("frf frequency", got="0 Hz", expected="a frequency > 0: the structure is free")
     _check_kind(response, kind)
     for role, probe in (("drive", drive), ("response", response)):
-        if isinstance(probe, Probe) and not moves(basis, probe):
+        if isinstance(probe, Probe) and not moves_probe(basis, probe):
             raise InputError(
                 f"frf {role}", got="a direction without motion in any mode", expected="a direction with motion"
             )
     pushed = drive.of(basis.shapes)
     if isinstance(response, ForceRow):
-        return superposed(basis, pushed, of_force(basis, response), omega, tell) + response.direct.meets(drive)
-    answer = superposed(basis, pushed, of_motion(response.of(basis.shapes)), omega, tell)
+        return superpose(basis, pushed, of_force(basis, response), omega, tell) + response.direct.meets(drive)
+    answer = superpose(basis, pushed, of_motion(response.of(basis.shapes)), omega, tell)
     if kind == "transmissibility":
-        return answer / superposed(basis, pushed, of_motion(pushed), omega)
+        return answer / superpose(basis, pushed, of_motion(pushed), omega)
     return answer * _rate(kind, omega)
 
 
@@ -186,12 +186,12 @@ def modal_amplitudes(basis: ModalBasis, drive: Probe, frequency_hz: ArrayLike) -
     return answer
 
 
-def moves(basis: ModalBasis, probe: Probe) -> bool:
+def moves_probe(basis: ModalBasis, probe: Probe) -> bool:
     """Whether any mode of the basis moves a probe: a rod known along its axis does not move across it.
 
     >>> from femstruct.modal.closed_form import rod
     >>> basis, points = rod(2.0, 206e9, 7850.0, 3.14e-4, modes=3, points={"tip": 2.0})
-    >>> moves(basis, points["tip"].probe("x")), moves(basis, points["tip"].probe("z"))
+    >>> moves_probe(basis, points["tip"].probe("x")), moves_probe(basis, points["tip"].probe("z"))
     (True, False)
     """
     largest = np.abs(basis.shapes).max(axis=0)[probe.components]
@@ -239,7 +239,7 @@ def direct_frf(
     load = _dense_row(assembly, drive)
     through = _passed_on(assembly, response, drive) if isinstance(response, str) else 0.0
     _check_kind(response, kind)
-    parts = varying(assembly, isinstance(law, FromMaterials))
+    parts = loss_terms(assembly, isinstance(law, FromMaterials))
     pattern, (springs, losses, inertia, *others) = aligned(
         [stiffness, dashpots, assembly.M, *(part.stiffness for part in parts)]
     )
@@ -277,7 +277,7 @@ def _solve_line(A: csc_array, factor: Factored, load: Floats, omega: float) -> C
 
 
 def lossy_matrices(assembly: Assembly, damping: Damping) -> tuple[csc_array, csc_array]:
-    """K with its losses and C of an assembly with a law of damping, without what depends on frequency (`varying`);
+    """K with its losses and C of an assembly with a law of damping, without what depends on frequency (`loss_terms`);
     InputError for ratios and single modes."""
     stiffness, dashpots, _, _ = _complex_stiffness(without_walls(assembly), damping)
     return stiffness, dashpots

@@ -15,7 +15,7 @@ from femstruct.conventions import DIRECTIONS
 from femstruct.declared import expect
 from femstruct.errors import FemstructError, InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.frf import A_PROBE, FrfKind, frf, frf_unit, modal_amplitudes, moves
+from femstruct.modal.frf import A_PROBE, FrfKind, frf, frf_unit, modal_amplitudes, moves_probe
 from femstruct.modal.likeness import Pairing, pairing_of
 from femstruct.model.model import Refined
 from femstruct.model.probe import Probe
@@ -261,7 +261,7 @@ def frf_table(
         kind or ("accelerance" if isinstance(one, Probe) else "transmissibility") for one in responses.values()
     ]
     for name, one in (*drives.items(), *responses.items()):
-        if isinstance(one, Probe) and not moves(basis, one):
+        if isinstance(one, Probe) and not moves_probe(basis, one):
             raise InputError(f"frf {name}", got="a direction without motion in any mode", expected="one with motion")
     values = np.empty((len(responses), len(drives), len(frequency)), dtype=np.complex128)
     for j, drive in enumerate(drives.values()):
@@ -311,7 +311,7 @@ class Correlation:
 def correlation(measured: MeasuredModes, basis: ModalBasis, shown: Refined, near: float = NEAR_MEASURED) -> Correlation:
     """Which mode of a model each measured one is, by the modal assurance criterion in the measured directions.
 
-    shown : the model subdivided (`refined`); measured places take the motion of the nearest place on it.
+    shown : the model subdivided (`refine_model`); measured places take the motion of the nearest place on it.
 
     Raises InputError where measured places are farther from the model than 5 % of its size, and where nothing is
     measured or there is nothing to compare it with.
@@ -321,13 +321,13 @@ def correlation(measured: MeasuredModes, basis: ModalBasis, shown: Refined, near
         raise InputError("measured modes", got="no displacement other than 0", expected="shapes")
     if not basis.modes.stop:
         raise InputError("modes of the model", got="none", expected="modes to compare", do="ask for more of them")
-    carry, distances = carried_to(shown, measured.points)
+    carry, distances = interpolation_weights(shown, measured.points)
     if distances.max(initial=0.0) > FAR * size:
         far, place = float(distances.max()), measured.points[int(distances.argmax())]
-        told = ", ".join(f"{x:.4g}" for x in place)
+        coordinates = ", ".join(f"{x:.4g}" for x in place)
         raise InputError(
             "measured places",
-            got=f"one at ({told}) m, {far:.4g} m from a model of {size:.4g} m",
+            got=f"one at ({coordinates}) m, {far:.4g} m from a model of {size:.4g} m",
             expected="places on the model",
             do="give the file's unit of length with --length, or move the origin of the model",
         )
@@ -339,13 +339,13 @@ def correlation(measured: MeasuredModes, basis: ModalBasis, shown: Refined, near
     return Correlation(pairs, distances, len(own))
 
 
-def carried_to(shown: Refined, points: Floats) -> tuple[csr_array, Floats]:
+def interpolation_weights(shown: Refined, points: Floats) -> tuple[csr_array, Floats]:
     """Weights [m, p] of the points of a subdivided model that give the motion at the places nearest to `points` [m, 3],
     and how far those are [m].
 
     >>> corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
     >>> plate = Refined(corners, [[0, 1, 2, 3]], np.zeros((0, 2)), csr_array((12, 28)), ("plate",), [0, 0, 0, 0])
-    >>> weights, distances = carried_to(plate, np.array([[0.75, 0.25, 0.5], [2.0, 0.5, 0.0]]))
+    >>> weights, distances = interpolation_weights(plate, np.array([[0.75, 0.25, 0.5], [2.0, 0.5, 0.0]]))
     >>> weights.toarray().tolist(), distances.tolist()
     ([[0.25, 0.5, 0.25, 0.0], [0.0, 0.5, 0.5, 0.0]], [0.5, 1.0])
     """

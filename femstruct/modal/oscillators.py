@@ -500,7 +500,7 @@ def _of_group(omega: Floats, damping: Floats, resting: bool) -> _Group | None:
     """
     still = np.flatnonzero(omega == 0.0)
     out = 0 if resting else len(still) - len(still) % 2
-    told = np.delete(np.arange(len(omega)), still[:out])
+    moving = np.delete(np.arange(len(omega)), still[:out])
     k, largest = len(omega), max(float(omega.max(initial=0.0)), float(np.abs(damping).max()))
     scale = np.where(omega > 0.0, omega, largest)
     try:
@@ -510,20 +510,20 @@ def _of_group(omega: Floats, damping: Floats, resting: bool) -> _Group | None:
         w, c, places, tilts = _oscillators_of(values, shapes, first, second)
         swings, rates = -tilts * w**2, places - tilts * c
         widths = np.concatenate([1.0 / np.where(w > 0.0, w, largest), np.ones(len(w))])
-        still_told = np.hstack([scale[told, None] * places[told], scale[told, None] * tilts[told]])
+        still_told = np.hstack([scale[moving, None] * places[moving], scale[moving, None] * tilts[moving]])
         motion = np.vstack([still_told, np.hstack([swings, rates])]) * widths
         inverse = widths[:, None] * np.linalg.inv(motion)
     except np.linalg.LinAlgError:
         return None
-    m, n = len(w), len(told)
+    m, n = len(w), len(moving)
     kicks, drives = inverse[:m, n:], inverse[m:, n:]
     moved = np.hstack([-rates * w**2, swings - rates * c])  # accelerations of free motion
     missed = moved @ inverse
     missed[:, n:] += damping
-    missed[told, np.arange(n)] += omega[told] ** 2 / scale[told]
+    missed[moving, np.arange(n)] += omega[moving] ** 2 / scale[moving]
     paces = np.sqrt(omega + np.maximum(np.diag(damping), 0.0))
-    miss = np.abs(missed) / np.outer(paces, np.concatenate([paces[told], paces]))
-    stays = scale[told, None] * (places[told] @ kicks + tilts[told] @ drives)
+    miss = np.abs(missed) / np.outer(paces, np.concatenate([paces[moving], paces]))
+    stays = scale[moving, None] * (places[moving] @ kicks + tilts[moving] @ drives)
     starts = swings @ kicks + rates @ drives - np.eye(k)
     worst = float(max(miss.max(), np.abs(stays).max(), np.abs(starts).max()))
     return _Group(w, c, places, tilts, kicks, drives, worst) if worst < PROVEN else None

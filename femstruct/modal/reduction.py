@@ -13,16 +13,16 @@ from femstruct.declared import expect
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import Kind, ModalBasis
 from femstruct.modal.by_frequency import (
+    at_frequency,
     complex_walls,
     edge_vectors,
     losses_alike,
     own_modes,
-    referred,
     wall_findings,
     wall_shares,
 )
 from femstruct.modal.eigen import Modes, modes, relative_energy
-from femstruct.modal.residuals import AXES, convergence, force_rows, nodal_shapes, projected, residual_vectors
+from femstruct.modal.residuals import AXES, convergence, force_rows, nodal_shapes, project, residual_vectors
 from femstruct.model.probe import Probe
 
 _GAIN = 1e-6  # of the largest damping of a motion: matrices in single precision leave 1e-7
@@ -95,14 +95,14 @@ def modal_basis(
     n_modes = len(found.eigenvalues)
     values, shapes, walls, of_walls = _at_own_frequencies(assembly, found, values, shapes)
     n_extra, residual_norm = len(values) - n_modes, residual_norm[: len(values)]
-    parts = {name: projected(part, shapes) for name, part in assembly.part_stiffness.items()}
+    parts = {name: project(part, shapes) for name, part in assembly.part_stiffness.items()}
     if walls and losses_alike(assembly):
         parts = {name: np.diag(np.diag(part)) for name, part in parts.items()}
     rigid: tuple[Kind, ...] = ("rigid",)
     elastic: tuple[Kind, ...] = ("elastic",)
     extra: tuple[Kind, ...] = ("residual",)
     momentum: Floats = assembly.momentum @ shapes
-    dashpots = _without_gain(projected(assembly.C, shapes))
+    dashpots = _without_gain(project(assembly.C, shapes))
     complete_below_hz = float(np.sqrt(found.complete_below)) / (2.0 * np.pi)
     return ModalBasis(
         omega=np.sqrt(values),
@@ -136,7 +136,7 @@ def _with_walls_near(assembly: Assembly, up_to: float | None, count: int | None)
     if up_to is None:
         found = modes(assembly.K, assembly.M, count=count, labels=assembly.dofs.labels)
         up_to = float(np.sqrt(found.eigenvalues.max(initial=0.0))) / (2.0 * np.pi)
-    return referred(assembly, up_to / 2.0) if up_to > 0.0 else assembly
+    return at_frequency(assembly, up_to / 2.0) if up_to > 0.0 else assembly
 
 
 def _at_own_frequencies(
@@ -150,12 +150,12 @@ def _at_own_frequencies(
     spanned = np.concatenate([shapes, edge_vectors(assembly, found, shapes)], axis=1)
     walls = complex_walls(assembly, spanned)
     reference = next(iter(assembly.growing.values()))
-    own = own_modes(projected(assembly.K, spanned), list(walls.values()), reference, rigid, count, residual)
+    own = own_modes(project(assembly.K, spanned), list(walls.values()), reference, rigid, count, residual)
     held = {
         name: wall_shares(own, i, float(wall.imag.trace() / wall.real.trace()), wall.real, rigid)
         for i, (name, wall) in enumerate(walls.items())
     }
-    squared = np.concatenate([values[:rigid], own.omega**2, own.rest])
+    squared = np.concatenate([values[:rigid], own.omega**2, own.residual_squared])
     return squared, spanned @ own.turn, held, wall_findings(own, assembly.growing)
 
 
@@ -206,11 +206,11 @@ def _truncation(
     if not short.any():
         return ()
     top = float(np.sqrt(eigenvalues[-1])) / (2.0 * np.pi) if len(eigenvalues) else 0.0
-    told = ", ".join(f"{axis} {100.0 * share[i]:.0f} %" for i, axis in enumerate(AXES) if moves[i])
+    listed = ", ".join(f"{axis} {100.0 * share[i]:.0f} %" for i, axis in enumerate(AXES) if moves[i])
     values = {f"share_{axis}": float(share[i]) for i, axis in enumerate(AXES)} | {"top_frequency_hz": top}
     message = (
         f"The effective masses of the {len(eigenvalues)} modes up to {top:.4g} Hz sum to this share of the total mass: "
-        f"{told}; {100.0 * _CAPTURED:.0f} % is asked for. The rest belongs to higher modes, which answer statically "
+        f"{listed}; {100.0 * _CAPTURED:.0f} % is asked for. The rest belongs to higher modes, which answer statically "
         "through the residual vectors, and to supports, which cannot move."
     )
     return (Finding("modal-mass-low", message, values),)

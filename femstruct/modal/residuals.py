@@ -13,7 +13,7 @@ from femstruct.assembly.matrices import Assembly, ForceRows
 from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import NotConverged
 from femstruct.modal.basis import ForceRow
-from femstruct.modal.eigen import Factor, Modes, factorise, orthonormalise, signed
+from femstruct.modal.eigen import Factor, Modes, factorise, fix_signs, orthonormalise
 from femstruct.model.probe import Probe
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -43,7 +43,7 @@ def force_rows(forces: Mapping[str, ForceRows], shapes: Floats) -> dict[str, For
     return rows
 
 
-def projected(matrix: csc_array, shapes: Floats) -> Floats:
+def project(matrix: csc_array, shapes: Floats) -> Floats:
     """phi^T A phi [k, k], exactly symmetric."""
     product: Floats = shapes.T @ (matrix @ shapes)
     return 0.5 * (product + product.T)
@@ -116,7 +116,7 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats, or
         vectors = orthonormalise(M, _without(M, found.shapes, vectors))
     projected = vectors.T @ (K @ vectors)
     values, turn = eigh(0.5 * (projected + projected.T))
-    return values, signed(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
+    return values, fix_signs(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
 
 
 def complement_solve(M: csc_array, shapes: Floats, factor: Factor, loads: Floats) -> Floats:

@@ -18,7 +18,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, LossFactor, Ratio, Rayleigh, with_damping
 from femstruct.modal.eigen import Pencil, factorise
 from femstruct.modal.frf import Complex, FrfKind, modal_amplitudes
-from femstruct.modal.residuals import projected
+from femstruct.modal.residuals import project
 from femstruct.model.materials import LossByFrequency
 from femstruct.model.probe import Probe
 
@@ -182,8 +182,8 @@ def modal_slopes(basis: ModalBasis, damping: Damping, shapes: Floats, slopes: Ma
     Equal ratios of all modes are C with C M^-1 C = 4 zeta^2 K, so that in the modes dC_rs = 2 zeta (dK_rs + omega_r
     omega_s dM_rs) / (omega_r + omega_s).
     """
-    stiffness, mass = projected(slopes.K, shapes), projected(slopes.M, shapes)
-    viscous, hysteretic = projected(slopes.C, shapes), np.zeros_like(stiffness)
+    stiffness, mass = project(slopes.K, shapes), project(slopes.M, shapes)
+    viscous, hysteretic = project(slopes.C, shapes), np.zeros_like(stiffness)
     law, omega = damping.base, basis.omega
     if damping.modes:
         return None
@@ -196,7 +196,7 @@ def modal_slopes(basis: ModalBasis, damping: Damping, shapes: Floats, slopes: Ma
     elif isinstance(law, Rayleigh):
         viscous = viscous + law.alpha * mass + law.beta * stiffness
     elif isinstance(law, FromMaterials):
-        changing = {name: projected(part, shapes) for name, part in slopes.parts.items()}
+        changing = {name: project(part, shapes) for name, part in slopes.parts.items()}
         for name, change in changing.items():
             loss = basis.loss_factors[name]
             if isinstance(loss, LossByFrequency):
@@ -249,12 +249,12 @@ def eigenvalue_slopes(omega: Floats, slopes: ModalSlopes, groups: Integers) -> F
 
 
 def shape_slopes(
-    assembly: Assembly, omega: Floats, shapes: Floats, slopes: MatrixSlopes, wanted: Integers, groups: Integers
+    assembly: Assembly, omega: Floats, shapes: Floats, slopes: MatrixSlopes, chosen: Integers, groups: Integers
 ) -> Floats:
     """Derivatives [n_free, w] of the shapes of some modes, without what stays in the space of their own group.
 
     omega [k], shapes [n_free, k] : all modes up to well above the wanted ones, ascending, without pseudo-modes.
-    wanted [w] : which of them. groups [k] : of equal frequencies; one mode by itself is a group.
+    chosen [w] : which of them. groups [k] : of equal frequencies; one mode by itself is a group.
 
     Raises NotConverged where a mode above those given is too close to a wanted one.
 
@@ -264,10 +264,10 @@ def shape_slopes(
     by iteration with one factor.
     """
     K, M, square = assembly.K, assembly.M, omega**2
-    own = square[wanted]
-    loads = -(slopes.K @ shapes[:, wanted] - (slopes.M @ shapes[:, wanted]) * own)
+    own = square[chosen]
+    loads = -(slopes.K @ shapes[:, chosen] - (slopes.M @ shapes[:, chosen]) * own)
     apart = square[:, None] - own
-    other = groups[:, None] != groups[wanted]
+    other = groups[:, None] != groups[chosen]
     within = np.divide(shapes.T @ loads, apart, out=np.zeros_like(apart), where=other & (apart != 0.0))
     beyond = _beyond(K, M, shapes, loads, own)
     return shapes @ within + beyond

@@ -97,7 +97,9 @@ def statics(model: Model, assembly: Assembly, forces: Sequence[tuple[Probe, floa
     )
 
 
-def sunk(assembly: Assembly, forces: Sequence[tuple[Probe, float]] = (), *, held: bool = False) -> Floats | None:
+def sag_displacements(
+    assembly: Assembly, forces: Sequence[tuple[Probe, float]] = (), *, held: bool = False
+) -> Floats | None:
     """Displacements [n_nodes, 7] of a structure under its own weight [m, rad]; None for one that can move as a whole.
 
     forces [N] : at probes, beside the weight. held : whether its modes say that it cannot, which else takes a search
@@ -114,7 +116,7 @@ def sunk(assembly: Assembly, forces: Sequence[tuple[Probe, float]] = (), *, held
     >>> block = Block("block", 2000.0, origin=(0.0, 0.0, 0.0), size=(1.0, 1.0, 1.0))
     >>> foot = PlaceOn("foot", "block", at=((0.5, 0.5, 0.0),))
     >>> spring = Spring("spring", "foot", None, stiffness=(1e6,) * 6)
-    >>> moved = sunk(assemble(mesh_structure(Structure("a block", (block, spring), points=(foot,)))))
+    >>> moved = sag_displacements(assemble(mesh_structure(Structure("a block", (block, spring), points=(foot,)))))
     >>> round(-1e3 * float(moved[0, 2]), 2)
     19.61
     """

@@ -17,7 +17,7 @@ from femstruct.declared import checked
 from femstruct.elements.stresses import von_mises, von_mises_in_a_cycle
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, ModalBasis
-from femstruct.modal.frf import Complex, Rows, amplitudes, of_force, of_motion, read
+from femstruct.modal.frf import Complex, Rows, amplitudes, of_force, of_motion, read_rows
 from femstruct.modal.oscillators import eigenvalues
 from femstruct.modal.residuals import AXES
 from femstruct.model.probe import Probe, StressPlaces
@@ -167,16 +167,16 @@ class Looked:
     def of(self, q: Complex, omega: Floats) -> Complex:
         """Its transfer function [lines] from modal coordinates [lines, k] at omega [lines], all above 0."""
         turning = 1j * omega
-        moved = read(self.rows, q, omega) + self.rigid / turning**2
+        moved = read_rows(self.rows, q, omega) + self.rigid / turning**2
         return np.asarray(turning**self.rate * moved + self.direct, dtype=np.complex128)
 
 
-def pushing(basis: ModalBasis, probe: Probe) -> Excitation:
+def force_excitation(basis: ModalBasis, probe: Probe) -> Excitation:
     """A force [N] at a probe, or a pressure [Pa] at that of a surface."""
     return Excitation(probe.of(basis.shapes), probe)
 
 
-def moving_base(basis: ModalBasis, axis: str, where: str) -> Excitation:
+def base_excitation(basis: ModalBasis, axis: str, where: str) -> Excitation:
     """A base that moves along x, y or z, and with it all that stands on the ground: supports, springs, foundations.
 
     Modal coordinates are of the motion on the base: M u'' + C u' + K u = -M r a, so their forces are the momenta of the
@@ -186,7 +186,7 @@ def moving_base(basis: ModalBasis, axis: str, where: str) -> Excitation:
 
     >>> from femstruct.modal.closed_form import oscillator
     >>> basis, _ = oscillator(4.0, stiffness=100.0)
-    >>> moving_base(basis, "x", "vibration.shaker").pushed
+    >>> base_excitation(basis, "x", "vibration.shaker").pushed
     array([-2.])
     """
     number = AXES.index(axis)
@@ -229,7 +229,7 @@ def transfers(basis: ModalBasis, excitation: Excitation, looked: Sequence[Looked
     >>> from femstruct.modal.damping import Damping, Ratio, with_damping
     >>> bare, points = oscillator(2.0, frequency_hz=10.0)
     >>> basis = with_damping(bare, Damping(Ratio(0.01)))
-    >>> shaker = moving_base(basis, "x", "vibration.shaker")
+    >>> shaker = base_excitation(basis, "x", "vibration.shaker")
     >>> seen = motion(shaker, basis, points["m"].probe("x"), rate=2)
     >>> float(abs(transfers(basis, shaker, [seen], np.array([10.0]))[0, 0]).round(3))
     50.01
@@ -285,14 +285,14 @@ def resonances(basis: ModalBasis) -> Resonances:
     """
     with _lock:
         if basis not in _found:
-            _found[basis] = _of_coupled(basis) if _coupled(basis) else natural(basis)
+            _found[basis] = _of_coupled(basis) if _coupled(basis) else uncoupled_resonances(basis)
         return _found[basis]
 
 
-def natural(basis: ModalBasis) -> Resonances:
+def uncoupled_resonances(basis: ModalBasis) -> Resonances:
     """The elastic modes of a basis with what is their own of its damping, whatever couples them."""
     elastic = np.array([kind == "elastic" for kind in basis.kind], dtype=bool)
-    return _told(basis.frequency_hz[elastic], (basis.damping_ratio * basis.frequency_hz)[elastic])
+    return _resonances_of(basis.frequency_hz[elastic], (basis.damping_ratio * basis.frequency_hz)[elastic])
 
 
 def _coupled(basis: ModalBasis) -> bool:
@@ -303,12 +303,12 @@ def _coupled(basis: ModalBasis) -> bool:
 def _of_coupled(basis: ModalBasis) -> Resonances:
     values = eigenvalues(basis.omega, basis.time_damping) / (2.0 * np.pi)
     swings = values[values.imag > 0.0]
-    found, top = _told(np.abs(swings), -swings.real), float(natural(basis).hz.max(initial=0.0))
+    found, top = _resonances_of(np.abs(swings), -swings.real), float(uncoupled_resonances(basis).hz.max(initial=0.0))
     true = (found.half > 0.0) | (found.hz <= top * (1.0 + BARE))  # an undamped residual vector is no resonance
     return Resonances(found.hz[true], found.half[true])
 
 
-def _told(hz: Floats, half: Floats) -> Resonances:
+def _resonances_of(hz: Floats, half: Floats) -> Resonances:
     return Resonances(hz, np.where(half > BARE * hz, half, 0.0))
 
 
@@ -416,7 +416,7 @@ class Highest:
         return Highest(hz, size, line, step, step if line >= (1.0 - MISSED) * size else self.needed)
 
 
-def highest(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: Floats) -> Highest | None:
+def largest_peak(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: Floats) -> Highest | None:
     """The largest response in the band of some lines, by what lies between them, too.
 
     respond : values [n] at frequencies [n] [Hz]. lines_hz [nf] : equally spaced [Hz]. sizes [nf] : magnitudes there.
@@ -435,12 +435,12 @@ def highest(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: Floats
     >>> basis, points = oscillator(2.0, stiffness=50.0)
     >>> damped, here = with_damping(basis, Damping(LossFactor(0.04))), points["m"].probe("x")
     >>> lines = np.array([0.5, 0.7, 0.9])
-    >>> found = highest(lambda f: frf(damped, here, here, f), damped, lines, abs(frf(damped, here, here, lines)))
+    >>> found = largest_peak(lambda f: frf(damped, here, here, f), damped, lines, abs(frf(damped, here, here, lines)))
     >>> round(found.size, 9), round(found.missed, 2), found.needed
     (0.5, 0.83, 0.01)
     """
     low, high = (float(one) for one in lines_hz[[0, -1]]) if len(lines_hz) else (0.0, 0.0)
-    own, half = (resonances if len(basis.omega) <= FOLLOWED else natural)(basis).inside(low, high)
+    own, half = (resonances if len(basis.omega) <= FOLLOWED else uncoupled_resonances)(basis).inside(low, high)
     if len(lines_hz) < 2 or (half <= 0.0).any():
         return None
     step = float(lines_hz[1] - low)

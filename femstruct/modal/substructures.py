@@ -15,9 +15,9 @@ from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.assembly.given_matrices import mapped_matrices
 from femstruct.assembly.matrices import Assembly, DofMap
 from femstruct.conventions import N_COMPONENTS
-from femstruct.errors import FemstructError, InputError, some_of
-from femstruct.modal.eigen import MOST_MODES, UNSTRAINED, factorise, modes, orthonormalise, relative_energy, signed
-from femstruct.modal.residuals import complement_solve, projected, unit_diagonal
+from femstruct.errors import FemstructError, InputError, list_some
+from femstruct.modal.eigen import MOST_MODES, UNSTRAINED, factorise, fix_signs, modes, orthonormalise, relative_energy
+from femstruct.modal.residuals import complement_solve, project, unit_diagonal
 from femstruct.model.materials import LossByFrequency
 from femstruct.model.model import Model
 from femstruct.model.part import Elastic, Inert, LossShare, Meshed, Tie
@@ -123,12 +123,12 @@ def craig_bampton(
     recovery[held, np.arange(b)] = 1.0
     recovery[inner, :b], recovery[inner, b:] = psi, shapes
     K_r = np.zeros((b + k, b + k))  # the blocks between interface and modes vanish: what rounding leaves is left out
-    K_r[:b, :b] = _without_rounding(projected(stiffness, recovery[:, :b]), stiffness, recovery[:, :b])
+    K_r[:b, :b] = _without_rounding(project(stiffness, recovery[:, :b]), stiffness, recovery[:, :b])
     K_r[np.arange(b, b + k), np.arange(b, b + k)] = values
     return Reduced(
-        M=projected(mass, recovery),
+        M=project(mass, recovery),
         K=K_r,
-        C=projected(dashpots, recovery),
+        C=project(dashpots, recovery),
         recovery=recovery,
         boundary=held,
         frequency_hz=np.sqrt(values) / (2.0 * np.pi),
@@ -149,8 +149,8 @@ def _inside(
     if not len(inner):
         return np.zeros((0, len(held))), np.zeros((0, 0)), np.zeros(0), 0
     M, K = csc_array(mass[inner][:, inner]), csc_array(stiffness[inner][:, inner])
-    asked = None if count is None else min(count, len(inner), MOST_MODES)
-    found = modes(K, M, up_to_hz=up_to, count=asked, labels=names)
+    requested = None if count is None else min(count, len(inner), MOST_MODES)
+    found = modes(K, M, up_to_hz=up_to, count=requested, labels=names)
     elastic = found.eigenvalues > 0.0
     loads = -stiffness[inner][:, held].toarray()
     factor = factorise(found.pencil, found.sigma)
@@ -171,8 +171,8 @@ def _inside(
     if kept.shape[1]:
         vectors = orthonormalise(M, _independent(corrections @ kept, K))
         vectors = orthonormalise(M, vectors - found.shapes @ (found.shapes.T @ (M @ vectors)))
-        values, turn = eigh(projected(K, vectors))
-        vectors = signed(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
+        values, turn = eigh(project(K, vectors))
+        vectors = fix_signs(vectors @ turn, np.sqrt(np.abs(M.diagonal())))
     every = np.concatenate([found.shapes, vectors], axis=1)
     return psi, every, np.concatenate([found.eigenvalues, values]), len(found.eigenvalues)
 
@@ -245,7 +245,7 @@ class ReducedPart:
     supports: tuple[str, ...]
 
 
-def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: int | None = None) -> ReducedPart:
+def reduce_part(model: Model, name: str, *, up_to: float | None = None, count: int | None = None) -> ReducedPart:
     """A part reduced to the nodes that joints, supports, springs, masses and constraints of a model touch, and to those
     of its points: what is struck there has its local compliance.
 
@@ -257,7 +257,7 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
     where = f"parts.{name}"
     part = model.parts.get(name)
     if part is None:
-        raise InputError("--part", got=f"'{name}'", expected=f"a part with nodes: {some_of(model.parts)}")
+        raise InputError("--part", got=f"'{name}'", expected=f"a part with nodes: {list_some(model.parts)}")
     K, M = part.stiffness_and_mass()
     if K is None:
         raise InputError(where, got="a rigid part", expected="one that deforms")
@@ -266,8 +266,8 @@ def reduced_part(model: Model, name: str, *, up_to: float | None = None, count: 
         raise InputError(where, got="a loss factor by frequency", expected="one number", do="give the material one")
     sets = _touched_by(model, part)
     pointed = [np.zeros(0, np.int64), *(point.nodes for point in model.points.values())]
-    wanted = np.concatenate([*(part.first + nodes for nodes in sets.values()), *pointed])
-    interface = np.intersect1d(wanted, part.nodes) - part.first
+    needed = np.concatenate([*(part.first + nodes for nodes in sets.values()), *pointed])
+    interface = np.intersect1d(needed, part.nodes) - part.first
     if not len(interface):
         raise InputError(where, got="a part that nothing touches", expected="a joint, a support or a point on it")
     own = part.dofs()
@@ -307,7 +307,7 @@ def _reduced_shares(shares: Sequence[LossShare], reduced: Reduced) -> tuple[Loss
     found: list[LossShare] = []
     left = np.array(reduced.K)
     for number, one in enumerate(shares, 1):
-        own = projected(csc_array(one.stiffness), reduced.recovery) if number < len(shares) else left
+        own = project(csc_array(one.stiffness), reduced.recovery) if number < len(shares) else left
         left = left - own
         found.append(one._replace(stiffness=csr_array(own)))
     return tuple(found)

@@ -15,11 +15,11 @@ from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats, Integers, freeze, frozen_integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.model.constraints import UNDETERMINED, fitted_motion
 from femstruct.model.imported_mesh import KINDS, ImportedMesh, Makes, StatedHold, StatedLink, StatedMass
 from femstruct.model.part import Meshed
-from femstruct.model.regions import carried, node_rows, sparse_rows
+from femstruct.model.regions import carry_along_arms, node_rows, sparse_rows
 
 Users = Sequence[tuple[ImportedMesh, Mapping[str, Integers]]]
 """Meshes of files with the rows of the cells that parts take of them, by kind."""
@@ -59,11 +59,13 @@ def refuse_missing(where: str, mesh: ImportedMesh, take: Sequence[str]) -> None:
     if wrong or not take:
         unmade = {"supports": Makes.SUPPORTS, "links": Makes.LINKS, "masses": Makes.MASSES}
         left = [one.named for one in mesh.stated.left_out if wrong and one.makes is unmade[wrong[0]]]
-        some = f"{wrong[0]}, which {mesh.source} states only as {some_of(left, 3)}, which are not read" if left else ""
+        some = (
+            f"{wrong[0]}, which {mesh.source} states only as {list_some(left, 3)}, which are not read" if left else ""
+        )
         raise InputError(
             where,
             got=some or (f"{wrong[0]}, which {mesh.source} does not state" if wrong else "nothing"),
-            expected=some_of(having) or f"supports, links or masses, of which {mesh.source} states none that is read",
+            expected=list_some(having) or f"supports, links or masses, of which {mesh.source} states none that is read",
             do=f"write {wrong[0] if wrong[0] != 'links' else 'joints or constraints'} in the model" if left else "",
         )
 
@@ -76,19 +78,19 @@ def supports_of(where: str, mesh: ImportedMesh, named: Sequence[str]) -> tuple[S
     known = list(dict.fromkeys(one.name for one in mesh.stated.holds))
     unknown = [name for name in named if name not in known]
     if unknown:
-        raise InputError(where, got=f"'{unknown[0]}'", expected=f"sets of supports: {some_of(known, SETS_SHOWN)}")
-    wanted = named or [name for name in known if name in mesh.stated.active] or known
-    if not named and len(wanted) == len(known) > 1 and not mesh.stated.active:
+        raise InputError(where, got=f"'{unknown[0]}'", expected=f"sets of supports: {list_some(known, SETS_SHOWN)}")
+    names = named or [name for name in known if name in mesh.stated.active] or known
+    if not named and len(names) == len(known) > 1 and not mesh.stated.active:
         raise InputError(
             where,
             got=f"supports of {mesh.source}, which has {len(known)} sets of them",
-            expected=f"'supports' beside, those that hold: {some_of(known, SETS_SHOWN)}",
+            expected=f"'supports' beside, those that hold: {list_some(known, SETS_SHOWN)}",
             do=f"write supports: [{known[0]}], or all of them",
         )
-    return tuple(one for one in mesh.stated.holds if one.name in wanted)
+    return tuple(one for one in mesh.stated.holds if one.name in names)
 
 
-def attached(mesh: ImportedMesh, take: Sequence[str], holds: Sequence[StatedHold], users: Users) -> Attached:
+def attach_stated(mesh: ImportedMesh, take: Sequence[str], holds: Sequence[StatedHold], users: Users) -> Attached:
     """What is taken of a file where parts have its nodes. holds : those of its supports that are meant."""
     there, turning = _nodes_of(mesh, users)
     held = tuple(holds) if "supports" in take else ()
@@ -217,7 +219,7 @@ def link_rows(link: StatedLink, nodes: Nodes) -> tuple[csr_array, Floats]:
                 continue
             motion = np.zeros((len(own), _SIX, 1, N_COMPONENTS))
             motion[:, :, 0, :_SIX] = np.eye(_SIX)
-            moved = carried(motion, nodes.points[own] - nodes.points[lead])[:, held]
+            moved = carry_along_arms(motion, nodes.points[own] - nodes.points[lead])[:, held]
             follow = node_rows(np.repeat(own, len(held)), np.tile(np.eye(N_COMPONENTS)[held], (len(own), 1)), n_nodes)
             rows.append(csr_array(sparse_rows(np.full((len(own), 1), lead), moved, n_nodes) - follow))
             directions.append(np.tile(_FORCES[held], (len(own), 1)))
@@ -267,7 +269,7 @@ def inert_rows(where: str, masses: Sequence[StatedMass], nodes: Nodes, unit: flo
         motion = np.zeros((1, _SIX, 1, N_COMPONENTS))
         motion[0, :, 0, :_SIX] = np.eye(_SIX)
         at = np.array([[node]])
-        shifts.append(sparse_rows(at, carried(motion, np.asarray(one.offset))[:, :3], len(nodes.points)))
+        shifts.append(sparse_rows(at, carry_along_arms(motion, np.asarray(one.offset))[:, :3], len(nodes.points)))
         weights += 3 * [unit * one.mass]
         if own.any():
             turns.append(sparse_rows(at, np.einsum("ij,pjkc->pikc", axes, motion[:, 3:]), len(nodes.points)))

@@ -171,13 +171,13 @@ def rigid_resistance(component: Component) -> Floats:
 def _rotation(component: Component, axis: Floats) -> Floats | None:
     """Degrees of freedom of a unit rotation of all nodes about an axis [3] through their middle; None without any."""
     points = component.points - component.points.mean(axis=0)
-    wanted = np.zeros((len(points), N_COMPONENTS))
-    wanted[:, :3], wanted[:, 3:6] = np.cross(axis, points), axis
+    rigid = np.zeros((len(points), N_COMPONENTS))
+    rigid[:, :3], rigid[:, 3:6] = np.cross(axis, points), axis
     rows = csr_array(component.motion)
-    moves = (np.diff(rows.indptr) > 0).reshape(wanted.shape)
-    wanted[:, 3:6] *= moves[:, 3:6]
-    size = float(np.linalg.norm(wanted))
-    answer, off = _fitted(rows, wanted.reshape(-1, 1))
+    moves = (np.diff(rows.indptr) > 0).reshape(rigid.shape)
+    rigid[:, 3:6] *= moves[:, 3:6]
+    size = float(np.linalg.norm(rigid))
+    answer, off = _fitted(rows, rigid.reshape(-1, 1))
     return answer[:, 0] if size > 0.0 and off[0] < _FITS * size else None
 
 
@@ -190,7 +190,7 @@ def _translations(motion: csr_array, n_nodes: int) -> tuple[Floats, NDArray[np.b
     return found, off < _FITS * n_nodes**0.5
 
 
-def _fitted(motion: csr_array, wanted: Floats) -> tuple[Floats, Floats]:
+def _fitted(motion: csr_array, motions: Floats) -> tuple[Floats, Floats]:
     """Degrees of freedom [r, k] that move nodes as wanted [n_nodes * 7, k], and what each of them misses [k].
 
     By least squares; columns are scaled, since modal coordinates have other units than displacements.
@@ -199,8 +199,8 @@ def _fitted(motion: csr_array, wanted: Floats) -> tuple[Floats, Floats]:
     scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
     scaled = csr_array(motion.multiply(scale[None, :]))
     found, off = [], []
-    for one in wanted.T:
-        answer, _, _, rest, *_ = lsqr(scaled, one, atol=_EXACT, btol=_EXACT, iter_lim=10 * motion.shape[1] + 100)
-        off.append(float(rest))
+    for one in motions.T:
+        answer, _, _, residual, *_ = lsqr(scaled, one, atol=_EXACT, btol=_EXACT, iter_lim=10 * motion.shape[1] + 100)
+        off.append(float(residual))
         found.append(scale * answer)
     return np.stack(found, axis=1), np.array(off)

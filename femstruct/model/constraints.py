@@ -12,8 +12,16 @@ from scipy.sparse import csr_array, vstack
 from femstruct.arrays import Floats
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.declared import checked
-from femstruct.errors import InputError, some_of
-from femstruct.model.model import Model, arm_rows, listed, place_of, places_of, point_rows, some_listed
+from femstruct.errors import InputError, list_some
+from femstruct.model.model import (
+    Model,
+    arm_rows,
+    component_numbers,
+    place_of,
+    places_of,
+    point_rows,
+    some_component_numbers,
+)
 from femstruct.model.part import Tie
 from femstruct.model.regions import Region, node_rows, sparse_rows
 from femstruct.model.structure import Constraint
@@ -59,7 +67,7 @@ class Average(Constraint):
 
     def __post_init__(self) -> None:
         where = f"constraints.{self.name}"
-        some_listed(f"{where}.directions", self.directions)
+        some_component_numbers(f"{where}.directions", self.directions)
         if not self.of and self.on is None:
             raise InputError(f"{where}.of", got="nothing", expected="points, or a region of a part")
         if self.of and self.on is not None:
@@ -77,7 +85,7 @@ class Average(Constraint):
         where = f"constraints.{self.name}"
         point = place_of(f"{where}.average", self.point, model)
         shifts, weights = self._shifts(model, tolerance)
-        held = listed(f"{where}.directions", self.directions)
+        held = component_numbers(f"{where}.directions", self.directions)
         fitted = fitted_motion(_places(shifts, point.position, model.mesh.points), weights)
         if fitted is None or np.abs(fitted.lost[held]).max(initial=0.0) > UNDETERMINED:
             raise InputError(
@@ -99,7 +107,7 @@ class Average(Constraint):
         part = model.parts.get(self.on)
         spread = None if part is None else part.spread(where, self.over or Region("whole"), tolerance, ORDER)
         if spread is None:
-            known = some_of([name for name, one in model.parts.items() if not one.rigid])
+            known = list_some([name for name, one in model.parts.items() if not one.rigid])
             raise InputError(f"{where}.on", got=f"'{self.on}'", expected=f"a part that can be averaged: {known}")
         rows_of_all = sparse_rows(spread.nodes, spread.rows[:, :3], model.mesh.n_nodes)
         return rows_of_all, spread.weights / spread.weights.sum()
@@ -250,7 +258,7 @@ class RigidLink(Constraint):
 
     def __post_init__(self) -> None:
         where = f"constraints.{self.name}"
-        some_listed(f"{where}.directions", self.directions)
+        some_component_numbers(f"{where}.directions", self.directions)
         if not self.to and self.on is None:
             raise InputError(f"{where}.to", got="nothing", expected="points, or a set or a box of a part")
         if self.point in self.to:
@@ -265,7 +273,7 @@ class RigidLink(Constraint):
     def tie(self, model: Model, tolerance: float) -> Tie:
         where = f"constraints.{self.name}"
         first = place_of(f"{where}.rigid", self.point, model)
-        held = listed(f"{where}.directions", self.directions)
+        held = component_numbers(f"{where}.directions", self.directions)
         rows, directions = [], []
         for point in (one for name in self.to for one in places_of(f"{where}.to", name, model)):
             moved = point_rows(first, point.position - first.position, model)
@@ -274,7 +282,7 @@ class RigidLink(Constraint):
         if self.on is not None:
             part = model.parts.get(self.on)
             if part is None:
-                raise InputError(f"{where}.to.on", got=f"'{self.on}'", expected=f"a part: {some_of(model.parts)}")
+                raise InputError(f"{where}.to.on", got=f"'{self.on}'", expected=f"a part: {list_some(model.parts)}")
             kept = held if part.has_rotations else [number for number in held if number < 3]
             if not kept:
                 got = f"rotations of nodes of {self.on}, which have none"

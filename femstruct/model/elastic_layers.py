@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from femstruct.arrays import Floats, freeze, frozen
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.model.imported_mesh import faces_towards, outwards
 from femstruct.model.part import FilledBox
 from femstruct.model.regions import PARALLEL, Box, Region, Touched, region_box
@@ -66,7 +66,7 @@ def layer_of(part: Filling, bodies: Mapping[str, FilledBox], tolerance: float) -
     key = "on" if part.to is None else "between"
     for name in (part.on, part.to):
         if name is not None and name not in bodies:
-            known = some_of(bodies) or "there is none"
+            known = list_some(bodies) or "there is none"
             raise InputError(f"{where}.{key}", got=f"'{name}'", expected=f"a plate, slab or block: {known}")
     body = bodies[part.on]
     if part.to is None:

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.elements.quality import shapes
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.model.imported_mesh import KINDS, ImportedMesh
 from femstruct.model.regions import Region
 from femstruct.tags import stored_as
@@ -99,12 +99,12 @@ class FlatCells:
 
     def in_set(self, mesh: ImportedMesh, name: str) -> np.ndarray:
         """Which cells [q + t] are of a set of cells. Raises InputError for a set without any."""
-        wanted = mesh.cells_of(name, 2)
+        in_mesh = mesh.cells_of(name, 2)
         found = np.zeros(len(self.cells), dtype=bool)
         for number, kind in enumerate(mesh.cells):
-            if kind in wanted:
+            if kind in in_mesh:
                 own = self.kinds == number
-                found[own] = np.isin(self.cells[own], wanted[kind])
+                found[own] = np.isin(self.cells[own], in_mesh[kind])
         return found
 
     def cells_within(self, mesh: ImportedMesh, region: Region, tolerance: float) -> Integers:
@@ -116,7 +116,7 @@ class FlatCells:
 
     def held_together(self) -> Integers:
         """Which cells hang together by nodes: a label for each node [n]."""
-        return pieces([self.corners], len(self.points))
+        return connected_pieces([self.corners], len(self.points))
 
     def nodes_within(self, mesh: ImportedMesh, region: Region, tolerance: float) -> Integers:
         """Nodes of a set or in a box; those of a set that are not of these cells are left out."""
@@ -127,8 +127,8 @@ class FlatCells:
             inside = (self.points >= low - tolerance) & (self.points <= high + tolerance)
             return np.flatnonzero(inside.all(axis=1))
         name = region.named or ""
-        wanted = mesh.nodes_of(name)
-        found = np.isin(self.rows, wanted)
+        nodes = mesh.nodes_of(name)
+        found = np.isin(self.rows, nodes)
         if name in mesh.cell_sets:  # middles of quad8 cells have no row of their own
             faces = [kind for kind in mesh.cell_sets[name] if KINDS[kind].dimension == 2]
             if faces:
@@ -268,10 +268,10 @@ def _in_one_plane(crowded: Integers, place: Integers, away: Floats) -> Integers:
     return np.concatenate(found)
 
 
-def pieces(cells: Iterable[Integers], count: int) -> Integers:
+def connected_pieces(cells: Iterable[Integers], count: int) -> Integers:
     """Which of `count` nodes hang together by cells [m, k], of several kinds: a label for each node.
 
-    >>> pieces([np.array([[0, 1, 2, 2], [3, 4, 5, 6]]), np.array([[6, 7, 8]])], 9).tolist()
+    >>> connected_pieces([np.array([[0, 1, 2, 2], [3, 4, 5, 6]]), np.array([[6, 7, 8]])], 9).tolist()
     [0, 0, 0, 1, 1, 1, 1, 1, 1]
     """
     pairs = [(np.repeat(one[:, 0], one.shape[1] - 1), one[:, 1:].ravel()) for one in cells]
@@ -497,19 +497,19 @@ def _named(mesh: ImportedMesh, cells: FlatCells, which: Integers) -> str:
     kinds = list(mesh.cells)
     numbers = [int(mesh.cell_numbers[kinds[cells.kinds[one]]][cells.cells[one]]) for one in which]
     x, y, z = cells.points[cells.corners[which[0]]].mean(axis=0)
-    return f"element {some_of(dict.fromkeys(numbers), SHOWN)}; the first at ({x:.4g}, {y:.4g}, {z:.4g}) m"
+    return f"element {list_some(dict.fromkeys(numbers), SHOWN)}; the first at ({x:.4g}, {y:.4g}, {z:.4g}) m"
 
 
 def _of_shapes(name: str, mesh: ImportedMesh, cells: FlatCells) -> list[Finding]:
     faults = {fault: which for fault, which in _faults(cells).items() if fault in FAULTS}
     if not faults:
         return []
-    told = [f"{len(which)} {FAULTS[fault]} ({_named(mesh, cells, which)})" for fault, which in faults.items()]
+    faulty = [f"{len(which)} {FAULTS[fault]} ({_named(mesh, cells, which)})" for fault, which in faults.items()]
     bad = len(np.unique(np.concatenate(list(faults.values()))))
     return [
         Finding(
             "bad-cells",
-            f"{name}: {bad} of {len(cells.cells)} cells have a bad shape: {', '.join(told)}",
+            f"{name}: {bad} of {len(cells.cells)} cells have a bad shape: {', '.join(faulty)}",
             {"cells": bad},
         )
     ]
@@ -526,7 +526,7 @@ def _twice(name: str, mesh: ImportedMesh, dimension: int, named: str | None) -> 
     if not again:
         return []
     x, y, z = again[0][1]
-    named_ones = some_of([number for number, _ in again], SHOWN)
+    named_ones = list_some([number for number, _ in again], SHOWN)
     return [
         Finding(
             "cells-twice",

@@ -11,7 +11,7 @@ from typing import Final, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
-from femstruct.errors import FemstructError, InputError, some_of
+from femstruct.errors import FemstructError, InputError, list_some
 from femstruct.model.regions import Facing
 from femstruct.tags import stored_as
 
@@ -124,7 +124,7 @@ class LeftOut:
         return f"{self.count} {self.what}{f' (line {self.line})' if self.line else ''}"
 
     @property
-    def told(self) -> str:
+    def with_effect(self) -> str:
         """As `named`, with what it would change."""
         return f"{self.named}: {self.changes}"
 
@@ -136,7 +136,7 @@ class Tally:
     >>> tally = Tally()
     >>> for line in (7, 9):
     ...     tally.add("CROD", Makes.BARS, "rods: stiffness and mass", line)
-    >>> [one.told for one in tally.found]
+    >>> [one.with_effect for one in tally.found]
     ['2 CROD (line 7): rods: stiffness and mass']
     """
 
@@ -316,7 +316,7 @@ class ImportedMesh:
     def __post_init__(self) -> None:
         where, points = f"mesh {self.source}", frozen(f"mesh {self.source} points", self.points, (None, 3))
         if unknown := [kind for kind in self.cells if kind not in KINDS]:
-            raise FemstructError(where, got=f"cells '{unknown[0]}'", expected=some_of(KINDS, len(KINDS)))
+            raise FemstructError(where, got=f"cells '{unknown[0]}'", expected=list_some(KINDS, len(KINDS)))
         cells = {k: frozen_integers(f"{where} {k}", one, (None, KINDS[k].nodes)) for k, one in self.cells.items()}
         for kind, one in cells.items():
             _refuse_beyond(f"{where} {kind}", one, len(points))
@@ -368,7 +368,7 @@ class ImportedMesh:
         if not found:
             having = [one for one, of in self.cell_sets.items() if any(len(of.get(kind, ())) for kind in kinds)]
             got = f"no {words} in {self.source}" if name is None else f"'{name}', a set without {words}"
-            raise InputError("", got=got, expected=words, do=f"sets with them: {some_of(having)}" if having else "")
+            raise InputError("", got=got, expected=words, do=f"sets with them: {list_some(having)}" if having else "")
         return found
 
     def middles_of(self, name: str | None, dimension: int) -> Floats:
@@ -394,14 +394,14 @@ class ImportedMesh:
             if not self.cells:
                 got = f"'{name}', no set of {self.source}, which has no elements"
                 raise InputError("", got=got, expected="a mesh of elements", do="is the file cut?")
-            known = some_of(self.set_names) if self.set_names else "a mesh with named sets"
+            known = list_some(self.set_names) if self.set_names else "a mesh with named sets"
             raise InputError("", got=f"'{name}', no set of {self.source}", expected=known)
 
 
-def put_where(where: str, asked: Callable[[], T]) -> T:
+def with_where(where: str, compute: Callable[[], T]) -> T:
     """What is asked of a mesh, its refusal put where it was asked for."""
     try:
-        return asked()
+        return compute()
     except InputError as error:
         raise InputError(where, got=error.got, expected=error.expected, do=error.do) from None
 
@@ -442,7 +442,7 @@ class Gathered(NamedTuple):
     included: tuple[Path, ...] = ()
 
 
-def imported(source: str, found: Gathered, scale: float) -> ImportedMesh:
+def import_mesh(source: str, found: Gathered, scale: float) -> ImportedMesh:
     """The mesh of what a reader found; scale : metres in the file's unit of length.
 
     Raises InputError for numbers that occur twice or that nothing has.
@@ -501,13 +501,13 @@ def _ordered(numbers: Integers, what: str) -> tuple[Integers, Integers]:
     return ascending, order
 
 
-def _rows(ascending: Integers, order: Integers, wanted: Integers, what: str) -> Integers:
+def _rows(ascending: Integers, order: Integers, numbers: Integers, what: str) -> Integers:
     """Rows of the wanted numbers."""
-    at = np.minimum(np.searchsorted(ascending, wanted), max(len(ascending) - 1, 0))
-    missing = wanted[ascending[at] != wanted] if len(ascending) else wanted.ravel()
+    at = np.minimum(np.searchsorted(ascending, numbers), max(len(ascending) - 1, 0))
+    missing = numbers[ascending[at] != numbers] if len(ascending) else numbers.ravel()
     if missing.size:
         raise InputError(
-            "", got=f"{what} {some_of(np.unique(missing), 3)}, which it does not have", expected=f"{what}s of its own"
+            "", got=f"{what} {list_some(np.unique(missing), 3)}, which it does not have", expected=f"{what}s of its own"
         )
     return order[at].astype(np.int64)
 

@@ -130,7 +130,7 @@ class PlateSection:
 
     def stretching(self, angle: float = 0.0) -> float:
         """Membrane stiffness along a direction at an angle from x [rad], its sides free to draw in [N/m]: E h."""
-        return float(1.0 / np.linalg.inv(laminate.turned(self.A, -angle))[0, 0])
+        return float(1.0 / np.linalg.inv(laminate.rotate_stiffness(self.A, -angle))[0, 0])
 
     def about(self, offset: float) -> PlateSection:
         """The same about a reference surface from which its own is `offset` away along z [m]."""
@@ -154,8 +154,8 @@ def _about(of: PlateSection | SectionShare, offset: float) -> dict[str, Any]:
 
 
 def _turned(of: PlateSection | SectionShare, angle: float) -> dict[str, Any]:
-    in_plane = {name: laminate.turned(getattr(of, name), angle) for name in ("A", "B", "D")}
-    return {**in_plane, "As": laminate.turned_shear(of.As, angle)}
+    in_plane = {name: laminate.rotate_stiffness(getattr(of, name), angle) for name in ("A", "B", "D")}
+    return {**in_plane, "As": laminate.rotate_shear(of.As, angle)}
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -220,13 +220,13 @@ class Laminate:
 
     def described(self) -> tuple[Given, ...]:
         """Its layers in words, for tables of inputs."""
-        told = (
+        layers = (
             f"{one.material.name} {1e3 * one.thickness:.6g} mm"
             + (f" at {np.degrees(one.angle):.6g}°" if one.angle else "")
             for one in self.layers
         )
         more = (Given("like", self.like),) if self.like else ()
-        return (Given("layers", tuple(told)), *more, *((Given("bond", self.bond),) if self.bond < 1.0 else ()))
+        return (Given("layers", tuple(layers)), *more, *((Given("bond", self.bond),) if self.bond < 1.0 else ()))
 
     @property
     def materials(self) -> tuple[AnyMaterial, ...]:
@@ -242,7 +242,7 @@ class Laminate:
         (A, B, D), shear = laminate.stiffness(stiff, z), laminate.shear_stiffness(stiff, soft, z, axis)
         bends, shears = laminate.bending_shares(stiff, z), laminate.shear_shares(stiff, soft, z, axis)
         if self.bond < 1.0:
-            B, D, bends = laminate.slipping(stiff, z, self.bond)
+            B, D, bends = laminate.with_slip(stiff, z, self.bond)
             alone = SHEAR_FACTOR * soft * np.diff(z)[:, None, None]
             shear = self.bond * shear + (1.0 - self.bond) * alone.sum(axis=0)
             slips = np.trace(alone, axis1=1, axis2=2) / np.trace(alone.sum(axis=0))
@@ -304,7 +304,7 @@ class Laminate:
         stiff = laminate.plane_stress(*constants[:, :4].T)
         soft = constants[:, 4:, None] * np.eye(2)
         z = laminate.bounds([layer.thickness for layer in self.layers])
-        return laminate.turned(stiff, angles), laminate.turned_shear(soft, angles), z
+        return laminate.rotate_stiffness(stiff, angles), laminate.rotate_shear(soft, angles), z
 
 
 @stored_as("smeared layers/1")

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from femstruct.arrays import Floats, Integers
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.model.attached import Users
 from femstruct.model.part import FilledBox
 from femstruct.model.regions import (
@@ -85,7 +85,7 @@ class Gridded(NamedTuple):
     lines: dict[str, Integers]
 
 
-def gridded(
+def grid_cells(
     where: str, outline: tuple[Pair, ...], holes: tuple[Hole, ...], through: tuple[Pair, ...], largest: float
 ) -> Gridded:
     """Cells with sides of at most `largest` [m] over an outline less its holes, with nodes at the places `through`.
@@ -98,7 +98,7 @@ def gridded(
     An L of three squares, in cells of half a side:
 
     >>> corners = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0))
-    >>> grid = gridded("parts.l", corners, (), (), 0.5)
+    >>> grid = grid_cells("parts.l", corners, (), (), 0.5)
     >>> len(grid.cells), len(grid.lines["rim"]), len(grid.lines["side 1"])
     (12, 16, 5)
     """
@@ -419,7 +419,7 @@ class Layout:
         if name in self.given:
             return
         if name not in self.rectangles:
-            known = some_of(self.rectangles) or "there is none"
+            known = list_some(self.rectangles) or "there is none"
             raise InputError(where, got=f"'{name}'", expected=f"a plate: {known}")
         x0, x1, y0, y1 = region_box(where, name, self.rectangles[name].size, region, self.tolerance)
         self.grids[name, 0].require(x0, x1)

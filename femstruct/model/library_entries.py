@@ -527,26 +527,26 @@ def names_for(*uses: Use) -> tuple[str, ...]:
     return tuple(entry.name for entry in library().values() if entry.use in uses)
 
 
-def matching(words: Iterable[str]) -> tuple[LibraryEntry, ...]:
+def matching_entries(words: Iterable[str]) -> tuple[LibraryEntry, ...]:
     """Entries whose name, family or description has all of these words, in any case.
 
-    >>> [one.name for one in matching(["osb/3"])]
+    >>> [one.name for one in matching_entries(["osb/3"])]
     ['OSB/3']
     """
-    wanted = [word.lower() for word in words]
+    lowered = [word.lower() for word in words]
     return tuple(
         entry
         for entry in library().values()
-        if all(word in f"{entry.name} {entry.family} {entry.what}".lower() for word in wanted)
+        if all(word in f"{entry.name} {entry.family} {entry.what}".lower() for word in lowered)
     )
 
 
-def looked_up(words: Iterable[str]) -> tuple[LibraryEntry, ...]:
-    """`matching`. Raises InputError where there is none, with the name that is nearest."""
-    asked = list(words)
-    found = matching(asked)
+def look_up(words: Iterable[str]) -> tuple[LibraryEntry, ...]:
+    """`matching_entries`. Raises InputError where there is none, with the name that is nearest."""
+    searched = list(words)
+    found = matching_entries(searched)
     if not found:
-        text = " ".join(asked)
+        text = " ".join(searched)
         near = get_close_matches(text.lower(), [name.lower() for name in library()], n=1)
         name = next((one for one in library() if near and one.lower() == near[0]), "")
         do = f"did you mean '{name}'?" if name else "without a word, all entries are listed"
@@ -561,7 +561,7 @@ def looked_up(words: Iterable[str]) -> tuple[LibraryEntry, ...]:
 _SYMBOLS = {"loss_factor": "loss factor"}
 
 
-def alike(
+def material_like(
     name: str,
     like: str,
     E: float | tuple[float, ...] | None = None,
@@ -577,7 +577,7 @@ def alike(
     Raises InputError for an entry that is no material, for several moduli where the entry has one, and for one where it
     has several.
 
-    >>> slab = alike("slab concrete", "concrete C30/37", rho=2500.0)
+    >>> slab = material_like("slab concrete", "concrete C30/37", rho=2500.0)
     >>> slab.E, slab.rho, slab.completed[0]
     (33000000000.0, 2500.0, 'E of concrete C30/37: EN 1992-1-1:2004, table 3.1')
     """
@@ -598,8 +598,8 @@ def alike(
         return timber(name, like, G, rho, 0.0 if loss_factor is None else loss_factor)
     taken = {one.key: one for one in entry.facts if one.value is not None and one.key not in stated}
     values: dict[str, Any] = {key: one.value for key, one in taken.items() if key in given} | stated
-    told = tuple(f"{_SYMBOLS.get(key, key)} of {like}: {taken[key].source.work}" for key in given if key in taken)
+    sources = tuple(f"{_SYMBOLS.get(key, key)} of {like}: {taken[key].source.work}" for key in given if key in taken)
     if not several:
-        return Material(name, **values, completed=told)
+        return Material(name, **values, completed=sources)
     made = Orthotropic(name, **values)
-    return replace(made, completed=(*told, *made.completed))
+    return replace(made, completed=(*sources, *made.completed))

@@ -57,8 +57,8 @@ class LossByFrequency:
     def __post_init__(self) -> None:
         frequencies = [frequency for frequency, _ in self.points]
         if not frequencies or not frequencies[0] > 0 or any(not low < high for low, high in pairwise(frequencies)):
-            told = ", ".join(f"{frequency:g}" for frequency in frequencies)
-            raise InputError("loss_factor", got=f"[{told}] Hz", expected="positive frequencies that ascend")
+            listed = ", ".join(f"{frequency:g}" for frequency in frequencies)
+            raise InputError("loss_factor", got=f"[{listed}] Hz", expected="positive frequencies that ascend")
         for frequency, value in self.points:
             check_loss(f"loss_factor.{frequency:g} Hz", value)
 
@@ -77,8 +77,8 @@ class LossByFrequency:
     def at(self, frequency_hz: ArrayLike) -> Floats:
         """Loss factors [...] at frequencies [...] [Hz]; at 0 Hz that of the lowest."""
         frequencies, values = np.array(self.points).T
-        asked = np.clip(np.asarray(frequency_hz, dtype=np.float64), *self.band)
-        return np.asarray(np.interp(np.log(asked), np.log(frequencies), values))
+        clipped = np.clip(np.asarray(frequency_hz, dtype=np.float64), *self.band)
+        return np.asarray(np.interp(np.log(clipped), np.log(frequencies), values))
 
 
 Loss = float | LossByFrequency
@@ -326,30 +326,30 @@ class Given(NamedTuple):
     unit: str = ""
 
 
-def given(noun: Any, units: Mapping[str, str]) -> tuple[Given, ...]:
+def given_fields(noun: Any, units: Mapping[str, str]) -> tuple[Given, ...]:
     """The fields of a frozen dataclass by name, its own name and what is as by default left out.
 
     units : of the fields that have one.
 
     >>> from femstruct.model.materials import Material
-    >>> given(Material("steel", E=210e9, nu=0.3, rho=7850.0), {"E": "Pa", "rho": "kg/m^3"})[0]
+    >>> given_fields(Material("steel", E=210e9, nu=0.3, rho=7850.0), {"E": "Pa", "rho": "kg/m^3"})[0]
     Given(what='E', value=210000000000.0, unit='Pa')
     """
     return tuple(
-        Given(field.name.removesuffix("_hz").replace("_", " "), plain(value), units.get(field.name, ""))
+        Given(field.name.removesuffix("_hz").replace("_", " "), comparable(value), units.get(field.name, ""))
         for field in fields(noun)
         if field.name != "name" and not _as_by_default(field, value := getattr(noun, field.name))
     )
 
 
-def plain(value: Any) -> Any:
+def comparable(value: Any) -> Any:
     """A value that can be compared and kept: rows of numbers as tuples.
 
-    >>> plain(np.zeros((2, 1)))
+    >>> comparable(np.zeros((2, 1)))
     ((0.0,), (0.0,))
     """
     rows = value.tolist() if isinstance(value, np.ndarray) else value
-    return tuple(map(plain, rows)) if isinstance(rows, tuple | list) else rows
+    return tuple(map(comparable, rows)) if isinstance(rows, tuple | list) else rows
 
 
 def _as_by_default(field: Field[Any], value: object) -> bool:

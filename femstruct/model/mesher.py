@@ -9,18 +9,18 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.declared import expect
-from femstruct.errors import FemstructError, InputError, some_of
+from femstruct.errors import FemstructError, InputError, list_some
 from femstruct.model.layout import Layout, Segment, SharedLine, Track, lines_under, stretch_inside
 from femstruct.model.model import Mesh, Model
 from femstruct.model.part import Elastic, Inert, Meshed, Part, Tie
-from femstruct.model.plates_and_bars import offsets_to_write, steadied, stretched
+from femstruct.model.plates_and_bars import membrane_plates, offsets_to_write, steadied
 from femstruct.model.probe import Point
 from femstruct.model.regions import (
     Region,
     clip,
     distance_to_rectangle,
     distance_to_segments,
-    meeting_line,
+    intersection_line,
     to_rectangle,
 )
 from femstruct.model.structure import AirBetween, Constraint, Joint, PlaceOn, Structure, Support, SurfaceOn, extent
@@ -36,7 +36,7 @@ RELATIVE_TOLERANCE = 1e-6
 """Places closer than this share of the structure's extent are one place."""
 
 
-def planned(structure: Structure) -> Layout:
+def plan_layout(structure: Structure) -> Layout:
     """The layout of a structure: all that asks for a node has asked.
 
     Raises InputError for sizes that cannot be, for names that do not exist, and for joined parts that do not touch.
@@ -58,7 +58,7 @@ def planned(structure: Structure) -> Layout:
     for joined in structure.joints:
         _joint(layout, joined, {part.name: part for part in structure.parts})
     _points_of_bars(structure, layout)
-    layout.stretched = stretched(structure, layout)
+    layout.stretched = membrane_plates(structure, layout)
     return layout
 
 
@@ -165,7 +165,7 @@ def _from_line(places: Floats, start: Floats, end: Floats) -> Floats:
 
 def _rectangle_on_rectangle(layout: Layout, joint: Joint) -> None:
     reach = max(layout.tolerance, joint.reach or 0.0)  # to the face of a plate, from the edge of another
-    start, end = meeting_line(layout.rectangles[joint.a], layout.rectangles[joint.b], reach)
+    start, end = intersection_line(layout.rectangles[joint.a], layout.rectangles[joint.b], reach)
     tracks = []
     for name in (joint.a, joint.b):
         ends = to_rectangle(layout.rectangles[name], layout.axes_of[name], np.stack([start, end]))
@@ -323,7 +323,7 @@ def mesh_structure(structure: Structure) -> Model:
     """
     expect("mesh_structure", structure, Structure, "Structure(title, (part, ..)) takes parts")
     _check_names(structure)
-    layout = planned(structure)
+    layout = plan_layout(structure)
     grids, tolerance = layout.settled(), layout.tolerance
     parts: dict[str, Meshed] = {}
     first = 0
@@ -367,7 +367,7 @@ def _points(places: tuple[PlaceOn, ...], parts: Mapping[str, Meshed], tolerance:
 
 def _part_of(where: str, name: str, parts: Mapping[str, Meshed]) -> Meshed:
     if name not in parts:
-        raise InputError(where, got=f"'{name}'", expected=f"a part with nodes: {some_of(parts)}")
+        raise InputError(where, got=f"'{name}'", expected=f"a part with nodes: {list_some(parts)}")
     return parts[name]
 
 

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array, vstack
 
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
-from femstruct.errors import FemstructError, InputError, some_of
+from femstruct.errors import FemstructError, InputError, list_some
 from femstruct.model.part import Elastic, Inert, Meshed, Tie
 from femstruct.model.probe import Point, Surface
 from femstruct.model.structure import HARD, SIMPLE, Structure
@@ -121,7 +121,7 @@ def places_of(where: str, name: str, model: Model) -> tuple[Point, ...]:
     """The places of a named point; InputError when there is none of that name."""
     known = {point.name for point in model.structure.points} | set(model.points)
     if name not in known:
-        raise InputError(where, got=f"'{name}'", expected=f"a point: {some_of(sorted(known)) or 'there is none'}")
+        raise InputError(where, got=f"'{name}'", expected=f"a point: {list_some(sorted(known)) or 'there is none'}")
     return model.places(name)
 
 
@@ -134,18 +134,18 @@ def place_of(where: str, name: str, model: Model) -> Point:
     return first
 
 
-def listed(where: str, directions: object) -> list[int]:
+def component_numbers(where: str, directions: object) -> list[int]:
     """Numbers of the components out of x y z rx ry rz; InputError for any other."""
     if not isinstance(directions, tuple) or not set(directions) <= set(DIRECTIONS):
         raise InputError(where, got=f"{directions}", expected=f"directions out of {', '.join(DIRECTIONS)}")
     return [DIRECTIONS.index(direction) for direction in directions]
 
 
-def some_listed(where: str, directions: object) -> list[int]:
-    """As `listed`; InputError for none, too."""
+def some_component_numbers(where: str, directions: object) -> list[int]:
+    """As `component_numbers`; InputError for none, too."""
     if not directions:
         raise InputError(where, got="none", expected=f"one or more of {', '.join(DIRECTIONS)}")
-    return listed(where, directions)
+    return component_numbers(where, directions)
 
 
 def point_rows(point: Point, arm: Floats, model: Model) -> csr_array:
@@ -279,7 +279,7 @@ class Refined:
         return moved.reshape(len(self.points), 3, count)
 
 
-def refined(model: Model, divisions: int = 4, along: int | None = None) -> Refined:
+def refine_model(model: Model, divisions: int = 4, along: int | None = None) -> Refined:
     """The model with every cell side and every bar divided into equal pieces; blocks are boxes.
 
     divisions : pieces a side. along : pieces of a bar, as many if nothing is said. Raises InputError when there is not

@@ -26,7 +26,7 @@ from femstruct.arrays import Floats, Integers, freeze, frozen
 from femstruct.conventions import COMPONENTS, DIRECTIONS, N_COMPONENTS
 from femstruct.errors import FemstructError, Finding, InputError
 from femstruct.model.imported_mesh import Makes
-from femstruct.model.materials import AnyMaterial, Given, Loss, given
+from femstruct.model.materials import AnyMaterial, Given, Loss, given_fields
 from femstruct.model.probe import Point, StressPlaces, Surface
 from femstruct.model.regions import Region
 from femstruct.tags import stored_as
@@ -495,7 +495,7 @@ class Part:
 
     def described(self) -> tuple[Given, ...]:
         """What is given of it, for tables of inputs and for comparing cases: its fields; a kind adds units."""
-        return given(self, {})
+        return given_fields(self, {})
 
     def corners(self) -> Floats:
         """Places [n, 3] that bound it [m]; none for what acts between others. Raises InputError for sizes it cannot

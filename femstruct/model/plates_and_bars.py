@@ -36,7 +36,7 @@ _PARALLEL = 1e-6  # sine of an angle: less is rounding
 _FREE = 1e-6  # of what supports resist most: a rigid motion they resist by less is free
 
 
-def stretched(structure: Structure, layout: Layout) -> frozenset[str]:
+def membrane_plates(structure: Structure, layout: Layout) -> frozenset[str]:
     """Names of the plates that what is joined to them can stretch."""
     found: set[str] = set()
     for group in _groups([(joint.a, joint.b) for joint in structure.joints]):

@@ -243,7 +243,7 @@ class StressPlaces:
         """The same place in each of the cells that meet there, one after the other; None where there is one value."""
         if self.cells is None:
             return None
-        meeting = np.flatnonzero(self.meets == place)
+        touching = np.flatnonzero(self.meets == place)
         c = len(self.components)
-        rows = csr_array(self.cells[(meeting[:, None] * c + np.arange(c)).ravel()])
-        return StressPlaces(np.tile(self.places[place], (len(meeting), 1)), self.components, rows, self.sides)
+        rows = csr_array(self.cells[(touching[:, None] * c + np.arange(c)).ravel()])
+        return StressPlaces(np.tile(self.places[place], (len(touching), 1)), self.components, rows, self.sides)

@@ -76,7 +76,7 @@ class Region:
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def carried(rows: Floats, arms: Floats) -> Floats:
+def carry_along_arms(rows: Floats, arms: Floats) -> Floats:
     """Motion at the tips of rigid arms [p, 3] or [3] from that at their feet, rows [p, 6, ...]: u + r x arm."""
     x, y, z = np.moveaxis(np.broadcast_to(arms, (len(rows), 3)), 1, 0).reshape(3, -1, *(1,) * (rows.ndim - 2))
     rx, ry, rz = rows[:, 3], rows[:, 4], rows[:, 5]
@@ -233,7 +233,7 @@ def clip(start: Floats, end: Floats, size: tuple[float, float], tolerance: float
     return float(low), float(high)
 
 
-def meeting_line(first: Rectangle, second: Rectangle, tolerance: float) -> tuple[Floats, Floats]:
+def intersection_line(first: Rectangle, second: Rectangle, tolerance: float) -> tuple[Floats, Floats]:
     """The two ends [3], [3] of the line (or the point, twice) along which two plates meet.
 
     Raises InputError when they do not meet, when they overlap over an area, or along a line that is not parallel to the
@@ -346,10 +346,10 @@ def interval_of(grid: Floats, places: Floats) -> tuple[Integers, Floats, Floats]
     return index, np.clip((places - grid[index]) / size, 0.0, 1.0), size
 
 
-def snapped(places: Floats, grid: Floats, tolerance: float) -> Floats:
+def snap_to_grid(places: Floats, grid: Floats, tolerance: float) -> Floats:
     """The places, those within the tolerance of a grid line on it.
 
-    >>> snapped(np.array([0.999, 1.4]), np.array([0.0, 1.0, 2.0]), 0.01).tolist()
+    >>> snap_to_grid(np.array([0.999, 1.4]), np.array([0.0, 1.0, 2.0]), 0.01).tolist()
     [1.0, 1.4]
     """
     index = np.clip(np.searchsorted(grid, places), 1, len(grid) - 1)
@@ -358,10 +358,10 @@ def snapped(places: Floats, grid: Floats, tolerance: float) -> Floats:
     return np.where(np.abs(near - places) <= tolerance, near, places)
 
 
-def divided(grid: Floats, divisions: int) -> Floats:
+def divide_grid(grid: Floats, divisions: int) -> Floats:
     """The grid with every interval in equal pieces.
 
-    >>> divided(np.array([0.0, 1.0, 3.0]), 2).tolist()
+    >>> divide_grid(np.array([0.0, 1.0, 3.0]), 2).tolist()
     [0.0, 0.5, 1.0, 2.0, 3.0]
     """
     steps = np.arange(divisions) / divisions

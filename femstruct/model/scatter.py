@@ -10,7 +10,7 @@ from scipy.sparse import bsr_array, coo_array, csr_array
 from femstruct.arrays import Floats, Integers
 
 
-def scattered(
+def scatter(
     stiffness: Floats, mass: Floats, of_elements: Integers, count: int, which: Integers | None = None
 ) -> tuple[csr_array, csr_array]:
     """Sums of two sets of element matrices [m, nd, nd] at the degrees of freedom [n, nd] of each element, sparse.
@@ -19,7 +19,7 @@ def scattered(
     freedom. Where the degrees of freedom of every node stand side by side, blocks of them are put together: a 36th of
     the places to sort for shells, in a quarter of the time.
 
-    >>> K, M = scattered(np.ones((1, 4, 4)), np.ones((1, 4, 4)), np.array([[0, 1, 2, 3], [2, 3, 4, 5]]), 6, [0, 0])
+    >>> K, M = scatter(np.ones((1, 4, 4)), np.ones((1, 4, 4)), np.array([[0, 1, 2, 3], [2, 3, 4, 5]]), 6, [0, 0])
     >>> K.sum(axis=0)
     array([4., 4., 8., 8., 4., 4.])
     """
@@ -46,14 +46,14 @@ def scattered(
         together = (sums @ blocks).reshape(-1, side, side)
         whole = bsr_array((together, columns.astype(np.int32), first_of_rows), shape=(count, count))
         pair.append(csr_array(whole.tocsr()))
-    return _felt(*pair)
+    return _reached(*pair)
 
 
-def interleaved(matrices: Sequence[csr_array], per_node: Sequence[int]) -> csr_array:
+def interleave(matrices: Sequence[csr_array], per_node: Sequence[int]) -> csr_array:
     """Matrices that are not coupled, each on so many degrees of freedom a node, as one in which those of a node stand
     one behind the other. Entries that are zero stay.
 
-    >>> interleaved([csr_array(np.diag([1.0, 2.0])), csr_array(np.diag([3.0, 4.0]))], (1, 1)).toarray().diagonal()
+    >>> interleave([csr_array(np.diag([1.0, 2.0])), csr_array(np.diag([3.0, 4.0]))], (1, 1)).toarray().diagonal()
     array([1., 3., 2., 4.])
     """
     whole, first, behind = sum(per_node), 0, 0
@@ -86,7 +86,7 @@ def with_diagonal(matrix: csr_array, values: Floats) -> csr_array:
     return csr_array(parts, shape=(n + more, n + more))
 
 
-def _felt(one: csr_array, other: csr_array) -> tuple[csr_array, csr_array]:
+def _reached(one: csr_array, other: csr_array) -> tuple[csr_array, csr_array]:
     """Two matrices with entries at the same places, without those where both are zero: a third of them in a regular
     grid. They share where their entries are."""
     kept = (one.data != 0.0) | (other.data != 0.0)

@@ -15,9 +15,9 @@ from scipy.spatial import KDTree
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
 from femstruct.declared import checked
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.model.imported_mesh import KINDS
-from femstruct.model.model import Model, listed, some_listed
+from femstruct.model.model import Model, component_numbers, some_component_numbers
 from femstruct.model.part import Meshed, Tie
 from femstruct.model.regions import Region
 from femstruct.model.structure import Constraint
@@ -399,7 +399,7 @@ class Seam(Constraint):
 
     def __post_init__(self) -> None:
         where = f"constraints.{self.name}"
-        some_listed(f"{where}.directions", self.directions)
+        some_component_numbers(f"{where}.directions", self.directions)
         if (self.on, self.of) == (self.onto, self.there):
             raise InputError(f"{where}.onto", got="the same nodes twice", expected="those of another part or set")
 
@@ -410,7 +410,7 @@ class Seam(Constraint):
         where = f"constraints.{self.name}"
         fine, first = _nodes(f"{where}.seam", self.on, self.of, model, tolerance)
         coarse, second = _nodes(f"{where}.onto", self.onto, self.there, model, tolerance)
-        held = listed(f"{where}.directions", self.directions)
+        held = component_numbers(f"{where}.directions", self.directions)
         if not (fine.has_rotations and coarse.has_rotations):
             held = [number for number in held if number < 3]
         if not held:
@@ -471,7 +471,7 @@ def _line_shapes(nodes: Floats, at: Floats) -> Floats:
 def _nodes(where: str, name: str, region: Region, model: Model, tolerance: float) -> tuple[Meshed, Integers]:
     part = model.parts.get(name)
     if part is None:
-        raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {some_of(model.parts)}")
+        raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part: {list_some(model.parts)}")
     return part, part.within(where, region, tolerance)
 
 

@@ -12,14 +12,14 @@ from scipy.sparse.csgraph import connected_components
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.elements import quad_shell, triangle_shell
-from femstruct.elements.flat_elements import angles, frames, turned, turned_resultants
+from femstruct.elements.flat_elements import angles, frames, rotate_resultants, rotate_rigidities
 from femstruct.elements.members import rigid_arms, with_offsets
 from femstruct.elements.plate import CORNERS
 from femstruct.elements.polynomials import gauss_interval
 from femstruct.model.flat_cells import FlatCells, area_vectors
 from femstruct.model.lay_ups import PlateSection, SectionShare
 from femstruct.model.regions import sparse_rows
-from femstruct.model.scatter import scattered
+from femstruct.model.scatter import scatter
 
 SAME_SHAPE: Final = 11  # digits to which cells agree that are one shape: the rounding of coordinates of a grid
 EDGE_ORDER: Final = 3  # Gauss points an edge: exact for products of two quadratic motions
@@ -87,7 +87,7 @@ def _in_own_axes(
     if x_direction is None:
         return stiff
     angle = np.concatenate([angles(frames(cells.points[own]), x_direction) for own in _kinds(cells) if len(own)])
-    return [turned(matrix, angle) for matrix in stiff]
+    return [rotate_rigidities(matrix, angle) for matrix in stiff]
 
 
 def _kinds(cells: FlatCells) -> tuple[Integers, Integers]:
@@ -144,8 +144,7 @@ def _put_together(
             each = [with_offsets(matrix, *arms) for matrix in each]
         numbers = (6 * nodes[:, :, None] + np.arange(6)).reshape(len(nodes), -1)
         pairs = [
-            scattered(each[at], each[min(at + 1, len(each) - 1)], numbers, count, copies)
-            for at in range(0, len(each), 2)
+            scatter(each[at], each[min(at + 1, len(each) - 1)], numbers, count, copies) for at in range(0, len(each), 2)
         ]
         found.append([matrix for pair in pairs for matrix in pair][: len(each)])
     if len(found) == 1:
@@ -188,7 +187,7 @@ def cell_points(cells: FlatCells, which: Integers, order: int) -> CellPlaces:
     for own, x, y, w in at:
         many = np.repeat(own, len(x))
         xs, ys = np.tile(x, len(own)), np.tile(y, len(own))
-        places, areas = mapped(cells, many, xs, ys)
+        places, areas = map_places(cells, many, xs, ys)
         found.append(CellPlaces(many, xs, ys, places, np.tile(w, len(own)) * areas))
     return CellPlaces(*(np.concatenate(pair) for pair in zip(*found, strict=True)))
 
@@ -212,7 +211,7 @@ def edge_gauss(cells: FlatCells, which: Integers, corner: Integers) -> tuple[Int
     return np.repeat(which, len(points)), at[:, :, 0].ravel(), at[:, :, 1].ravel(), weights, along
 
 
-def mapped(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:
+def map_places(cells: FlatCells, which: Integers, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:
     """Where places in cells are [p, 3] [m], and the area of a unit of xi and eta there, in the mean plane [p] [m^2]."""
     p0, p1, p2, p3 = np.moveaxis(cells.points[cells.corners[which]], 1, 0)
     x, y = xi[:, None], eta[:, None]
@@ -264,7 +263,7 @@ def nearest_places(cells: FlatCells, at: Floats) -> Nearest:
     found = [_of_some(cells, places[k : k + chunk], middles, radii) for k in range(0, max(len(places), 1), chunk)]
     which, feet = (np.concatenate(pair) for pair in zip(*found, strict=True))
     xi, eta = _inside(cells, which, feet)
-    return Nearest(which, xi, eta, mapped(cells, which, xi, eta)[0])
+    return Nearest(which, xi, eta, map_places(cells, which, xi, eta)[0])
 
 
 def cross_turning(cells: FlatCells, centers: Floats, reach: float, axes: Floats) -> tuple[Integers, Floats]:
@@ -394,7 +393,7 @@ def face_stresses(
         """Stresses of cells, of resultants [m, 3, 24] from the first on, in the axes of places [m * s * 3, ...]."""
         all_rows = np.zeros((len(cell), 8, 24))
         all_rows[:, first : first + 3] = rows
-        turned = turned_resultants(all_rows, angles(R[cell], directions[place]))[:, :6]
+        turned = rotate_resultants(all_rows, angles(R[cell], directions[place]))[:, :6]
         stresses = of_resultants[kinds[cell]] @ turned[:, None]
         padded = np.zeros((len(cell), count, 4, N_COMPONENTS))
         padded[..., :6] = stresses.reshape(len(cell), count, 4, 6)
@@ -471,15 +470,15 @@ def _around(
     """Pairs of places and cells: those that meet at a place; where a piece of surface ends, those around these, too."""
     first_of = np.unique(places, return_index=True)[1]
     count, n_cells, n_nodes = len(first_of), len(cells.cells), len(cells.points)
-    meeting = csr_array((np.ones(len(places)), (places, corners)), shape=(count, n_cells))
+    incidence = csr_array((np.ones(len(places)), (places, corners)), shape=(count, n_cells))
     has = csr_array((np.ones(len(nodes)), (corners, nodes)), shape=(n_cells, n_nodes))
     edges = np.sort(np.stack([cells.corners, np.roll(cells.corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     different, times = np.unique(edges[edges[:, 0] != edges[:, 1]], axis=0, return_counts=True)
     ends = np.bincount(nodes[first_of], minlength=n_nodes) > 1  # a fold, or another thickness
     ends[different[times != 2]] = True
     widened = ends[nodes[first_of]].astype(float)
-    wide = csr_array((widened, (np.arange(count), np.arange(count)))) @ (meeting @ has @ has.T)
-    pairs = csr_array(meeting + wide).tocoo()
+    wide = csr_array((widened, (np.arange(count), np.arange(count)))) @ (incidence @ has @ has.T)
+    pairs = csr_array(incidence + wide).tocoo()
     reference = corners[first_of][pairs.row]
     alike = (cells.patches[pairs.col] == cells.patches[reference]) & (kinds[pairs.col] == kinds[reference])
     alike &= np.einsum("ki,ki->k", cells.normals[pairs.col], cells.normals[reference]) >= FOLD

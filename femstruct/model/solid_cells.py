@@ -12,11 +12,11 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers, freeze, frozen, frozen_integers
 from femstruct.conventions import N_COMPONENTS
 from femstruct.elements import solid
-from femstruct.errors import InputError, some_of
-from femstruct.model.flat_cells import FlatCells, best_turns, flat_cells, pieces
+from femstruct.errors import InputError, list_some
+from femstruct.model.flat_cells import FlatCells, best_turns, connected_pieces, flat_cells
 from femstruct.model.imported_mesh import KINDS, ImportedMesh
 from femstruct.model.regions import Region
-from femstruct.model.scatter import scattered
+from femstruct.model.scatter import scatter
 from femstruct.tags import stored_as
 
 # Linear pieces of a face by its nodes: corners, then middles of its sides, then its own middle.
@@ -107,7 +107,7 @@ class SolidCells:
 
     def held_together(self) -> Integers:
         """Which cells hang together by nodes: a label for each node [n]."""
-        return pieces(self.cells.values(), len(self.points))
+        return connected_pieces(self.cells.values(), len(self.points))
 
 
 def solid_cells(mesh: ImportedMesh, named: str | None) -> SolidCells:
@@ -143,7 +143,7 @@ def refuse_inverted(where: str, mesh: ImportedMesh, named: str | None) -> None:
         nodes = np.asarray(mesh.points)[mesh.cells[kind][rows]]
         bad = np.flatnonzero(~(solid.least_sizes(kind, nodes) > 0.0))
         if len(bad):
-            numbers = some_of([str(mesh.cell_numbers[kind][rows[i]]) for i in bad], SHOWN)
+            numbers = list_some([str(mesh.cell_numbers[kind][rows[i]]) for i in bad], SHOWN)
             raise InputError(
                 where,
                 got=f"{len(bad)} of {len(rows)} {kind} cells turned inside out or folded: {numbers}",
@@ -159,7 +159,7 @@ def matrices(cells: SolidCells, C: Floats, rho: float) -> tuple[csr_array, csr_a
     for kind, one in cells.cells.items():
         nodes = cells.points[one]
         numbers = (3 * one[:, :, None] + np.arange(3)).reshape(len(one), -1)
-        found.append(scattered(solid.stiffness(kind, nodes, C), solid.mass(kind, nodes, rho), numbers, count))
+        found.append(scatter(solid.stiffness(kind, nodes, C), solid.mass(kind, nodes, rho), numbers, count))
     K, M = found[0]
     for more in found[1:]:
         K, M = csr_array(K + more[0]), csr_array(M + more[1])
@@ -213,8 +213,8 @@ def _outside(mesh: ImportedMesh, taken: Mapping[str, Integers]) -> ImportedMesh:
     cell_sets: dict[str, dict[str, Integers]] = {}
     for name, some in sets.items():
         count = sum(map(len, some))
-        wanted, own = number[own : own + count], own + count
-        rows = {word: np.flatnonzero(np.isin(one, wanted)) for word, one in owners.items()}
+        chosen, own = number[own : own + count], own + count
+        rows = {word: np.flatnonzero(np.isin(one, chosen)) for word, one in owners.items()}
         rows = {word: those for word, those in rows.items() if len(those)}
         if rows:
             cell_sets[name] = rows

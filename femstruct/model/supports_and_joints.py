@@ -10,10 +10,10 @@ from scipy.sparse import csr_array, kron, vstack
 
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import DIRECTIONS, N_COMPONENTS
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.model.attached import same_file
 from femstruct.model.materials import WALLS_AT
-from femstruct.model.model import Model, listed, places_of, point_rows
+from femstruct.model.model import Model, component_numbers, places_of, point_rows
 from femstruct.model.part import EdgePoints, Elastic, Meshed, Tie
 from femstruct.model.plates_and_bars import (
     box_pairs,
@@ -56,7 +56,7 @@ def elastic_edges(item: Support, model: Model, tolerance: float) -> tuple[Elasti
         return ()
     name = item.on or ""
     if name not in model.parts:
-        expected = f"a part with nodes: {some_of(model.parts)}"
+        expected = f"a part with nodes: {list_some(model.parts)}"
         raise InputError(f"supports.{item.name}.on", got=f"'{name}'", expected=expected)
     points = model.parts[name].edge_points(item, tolerance)
     n_nodes = model.mesh.n_nodes
@@ -163,16 +163,16 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
     where = f"supports.{item.name}"
     if item.at is not None:
         points = places_of(f"{where}.at", item.at, model)
-        held = listed(where, _named(item))
+        held = component_numbers(where, _named(item))
         rows = csr_array(vstack([point_rows(point, np.zeros(3), model)[held] for point in points]))
         return Tie(item.name, rows, np.tile(_AXES[held], (len(points), 1)), grounded=True)
     name, n_nodes = item.on or "", model.mesh.n_nodes
     if name not in model.parts:
-        raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part with nodes: {some_of(model.parts)}")
+        raise InputError(f"{where}.on", got=f"'{name}'", expected=f"a part with nodes: {list_some(model.parts)}")
     part = model.parts[name]
     _refuse_turns(item, part)
     if item.region is not None:
-        held = listed(where, _named(item))
+        held = component_numbers(where, _named(item))
         nodes = part.within(f"{where}.{item.region.kind}", item.region, tolerance)
         tie = _held(item.name, nodes, np.eye(N_COMPONENTS)[held], n_nodes)
         if item.fix != HARD:
@@ -181,12 +181,14 @@ def support(item: Support, model: Model, tolerance: float) -> Tie:
         rows = csr_array(vstack([tie.rows, node_rows(turned, about, n_nodes)]))
         return Tie(item.name, rows, np.concatenate([tie.directions, np.zeros((len(turned), 3))]), grounded=True)
     if item.edge is None and item.line is None:
-        components = part.clamped if item.fix == "clamped" else np.eye(N_COMPONENTS)[listed(where, _named(item))]
+        components = (
+            part.clamped if item.fix == "clamped" else np.eye(N_COMPONENTS)[component_numbers(where, _named(item))]
+        )
         return _held(item.name, part.nodes, components, n_nodes)
     pieces = []
     for nodes, components in part.edges(item, tolerance):
         if isinstance(item.fix, tuple):
-            components = np.eye(N_COMPONENTS)[listed(where, item.fix)]
+            components = np.eye(N_COMPONENTS)[component_numbers(where, item.fix)]
         pieces.append(_held(item.name, nodes, components, n_nodes))
     return Tie(
         item.name,
@@ -242,7 +244,7 @@ def _joined_parts(item: Joint, model: Model) -> tuple[Meshed, Meshed]:
     where = f"joints.{item.name}"
     for end in (item.a, item.b):
         if end not in model.parts:
-            raise InputError(where, got=f"'{end}'", expected=f"a part with nodes: {some_of(model.parts)}")
+            raise InputError(where, got=f"'{end}'", expected=f"a part with nodes: {list_some(model.parts)}")
     parts = model.parts[item.a], model.parts[item.b]
     hinged = [part for part in parts if not part.has_rotations]
     if item.kind != "pinned" and (len(hinged) > 1 or not all(part.has_surface for part in hinged)):
@@ -254,7 +256,7 @@ def _joined_parts(item: Joint, model: Model) -> tuple[Meshed, Meshed]:
 def _springs_of(item: Joint) -> tuple[list[int], Floats]:
     """Directions in which a joint is a spring, out of six, and the stiffness of each."""
     where = f"joints.{item.name}"
-    springy = listed(where, tuple(item.stiffness))
+    springy = component_numbers(where, tuple(item.stiffness))
     values = np.array([item.stiffness[DIRECTIONS[number]] for number in springy])
     if not (values >= 0).all():
         raise InputError(f"{where}.stiffness", got=f"{values.min():g}", expected="values >= 0")

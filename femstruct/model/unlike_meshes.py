@@ -16,7 +16,7 @@ from femstruct.model.imported_mesh import KINDS
 from femstruct.model.model import Model
 from femstruct.model.part import Elastic, Meshed, Tie
 from femstruct.model.plates_and_bars import across_lines, pieces_of, refuse_lengths, touching_face
-from femstruct.model.regions import Region, carried, node_rows, sparse_rows
+from femstruct.model.regions import Region, carry_along_arms, node_rows, sparse_rows
 from femstruct.model.seams import NEGLIGIBLE, Faces, Means, changed, means_over
 from femstruct.model.structure import Joint
 
@@ -114,8 +114,8 @@ def _feet(bars: Meshed, cells: Meshed, nodes: Integers, model: Model) -> _Feet:
     own = np.zeros((len(nodes), _SIX, 1, N_COMPONENTS))
     own[:, :, 0, :_SIX] = np.eye(_SIX)
     there, motion = cells.motion_on_cells(places)
-    rows = sparse_rows(nodes[:, None], carried(own, at - places), n_nodes)
-    facing = sparse_rows(there, carried(motion, at - places), n_nodes)
+    rows = sparse_rows(nodes[:, None], carry_along_arms(own, at - places), n_nodes)
+    facing = sparse_rows(there, carry_along_arms(motion, at - places), n_nodes)
     facing.data[np.abs(facing.data) < 1e-14] = 0.0  # rounding of places in cells
     facing.eliminate_zeros()
     return _Feet(nodes, places, csr_array(rows - facing))
@@ -129,11 +129,11 @@ def _turning(
     free = np.eye(3)[[number - 3 for number in springy if number >= 3]]
     everywhere, normal = np.arange(len(feet.nodes)), cells.drilling
     standing = np.setdiff1d(everywhere, along[:, 1]) if normal is not None else everywhere
-    wanted = [] if normal is None else [(along[:, 1], directions)]
+    rows_and_axes = [] if normal is None else [(along[:, 1], directions)]
     axes = np.eye(3) if cells.own_axes is None else cells.own_axes
-    wanted += [(standing, np.tile(axis, (len(standing), 1))) for axis in axes[: 3 if normal is None else 2]]
+    rows_and_axes += [(standing, np.tile(axis, (len(standing), 1))) for axis in axes[: 3 if normal is None else 2]]
     found = []
-    for which, about in wanted:
+    for which, about in rows_and_axes:
         turn = about - about @ free.T @ free
         kept = np.flatnonzero(np.linalg.norm(turn, axis=1) > _SLIGHT)
         found.append(feet.relative(which[kept], np.hstack([np.zeros((len(kept), 3)), turn[kept]])))

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Integers
-from femstruct.errors import Finding, some_of
+from femstruct.errors import Finding, list_some
 from femstruct.model.attached import TAKEN, same_file
 from femstruct.model.imported_mesh import HARMLESS, ImportedMesh, LeftOut, Makes, Stated, StatedMaterial, StatedProperty
 from femstruct.model.materials import Material
@@ -24,7 +24,7 @@ from femstruct.model.structure import Structure
 
 WORDS: Final = {"line": "bars", "tri": "triangles", "quad": "quadrilaterals", "tet": "tetrahedra", "hex": "hexahedra"}
 SHOWN: Final = 4  # kinds of what is not used
-TOLD: Final = 8  # kinds of what forbids trust
+KINDS_SHOWN: Final = 8  # kinds of what forbids trust
 DIFFERS: Final = 0.01  # of a modulus, density or thickness: steels differ by less
 _OFFER: Final = "What the file states is taken as it is by a part"
 _DO: Final = {  # what the model can state instead
@@ -81,30 +81,30 @@ def _of_one(structure: Structure, users_of_it: list[_User]) -> Iterator[Finding]
     left = [words for some in taken for words in some.left]
     yield from _cut(mesh, names)
     judged = _Judged.of(structure, users_of_it, _cells(mesh, used))
-    whose = f"{', '.join(names)}: {mesh.source}"
+    owner = f"{', '.join(names)}: {mesh.source}"
     if judged.missing:
         yield Finding(
             "mesh-states-more",
-            f"{whose} states what the model does not have, so that it is another structure: "
-            f"{_listed(judged.missing, TOLD)}",
+            f"{owner} states what the model does not have, so that it is another structure: "
+            f"{_listed(judged.missing, KINDS_SHOWN)}",
             {"kinds": len(judged.missing)},
             severe=True,
         )
-    told = [*judged.elsewhere, *open_ones.values(), *left]
-    if told:
+    unused = [*judged.elsewhere, *open_ones.values(), *left]
+    if unused:
         offer = "" if not open_ones else f". {_OFFER} {_written(mesh, list(open_ones))}"
         yield Finding(
             "mesh-states-more",
-            f"{whose} states what no part uses: {some_of(told, SHOWN)}. Their stiffness, "
+            f"{owner} states what no part uses: {list_some(unused, SHOWN)}. Their stiffness, "
             f"mass and supports are missing unless the model has them otherwise: write parts, masses, joints, supports"
             f"{offer}",
-            {"kinds": len(told)},
+            {"kinds": len(unused)},
         )
     if replaced := [*judged.replaced, *_other_numbers(users_of_it)]:
-        message = f"{whose} states otherwise what the model states, which holds: {_listed(replaced, TOLD)}"
+        message = f"{owner} states otherwise what the model states, which holds: {_listed(replaced, KINDS_SHOWN)}"
         yield Finding("mesh-stated-otherwise", message, {"kinds": len(replaced)})
     if idle := _idle(mesh.stated):
-        message = f"{whose} states what has little or no effect on a linear model of vibration: {'; '.join(idle)}"
+        message = f"{owner} states what has little or no effect on a linear model of vibration: {'; '.join(idle)}"
         yield Finding("mesh-without-effect", message, {"kinds": len(idle)})
 
 
@@ -198,8 +198,8 @@ def _several_materials(user: _User, stated: Stated) -> Iterator[str]:
     known = {one.name.upper(): one for one in stated.materials}
     different = {_constants(known.get(name.upper()), name) for name in named}
     if len(different) > 1:
-        told = [f"{name} of {count} cells{_shown(known.get(name.upper()))}" for name, count in named.items()]
-        yield f"{len(different)} materials where {user.part.name} has one: {_listed(told, 4)} [{_DO[Makes.MATERIAL]}]"
+        listed = [f"{name} of {count} cells{_shown(known.get(name.upper()))}" for name, count in named.items()]
+        yield f"{len(different)} materials where {user.part.name} has one: {_listed(listed, 4)} [{_DO[Makes.MATERIAL]}]"
 
 
 def _constants(one: StatedMaterial | None, name: str) -> tuple[object, ...]:
@@ -236,10 +236,10 @@ def _other_numbers(users: list[_User]) -> Iterator[str]:
 
 def _cut(mesh: ImportedMesh, names: list[str]) -> Iterator[Finding]:
     """What a file shows that ends too early: no word at its end, nodes without elements."""
-    whose = f"{', '.join(names)}: {mesh.source}"
+    owner = f"{', '.join(names)}: {mesh.source}"
     if mesh.stated.open_end:
         yield Finding(
-            "mesh-without-end", f"{whose} has no {mesh.stated.open_end}. If the file is cut, the rest is missing"
+            "mesh-without-end", f"{owner} has no {mesh.stated.open_end}. If the file is cut, the rest is missing"
         )
     ours = np.zeros(len(mesh.points), dtype=bool)
     for nodes in (*mesh.cells.values(), *(one.nodes for one in mesh.stated.links)):
@@ -248,9 +248,9 @@ def _cut(mesh: ImportedMesh, names: list[str]) -> Iterator[Finding]:
     if lone := int((~ours).sum()):
         yield Finding(
             "nodes-alone",
-            f"{whose} has {lone} nodes of {len(ours)} that no element, link or mass uses, such as "
-            f"{some_of(mesh.numbers[~ours].tolist(), SHOWN)}. They are left out. If they belong to the part, elements "
-            "are missing: is the file cut?",
+            f"{owner} has {lone} nodes of {len(ours)} that no element, link or mass uses, such as "
+            f"{list_some(mesh.numbers[~ours].tolist(), SHOWN)}. They are left out. If they belong to the part, "
+            "elements are missing: is the file cut?",
             {"nodes": lone},
         )
 
@@ -284,7 +284,7 @@ def _cells(mesh: ImportedMesh, used: Mapping[str, np.ndarray]) -> Iterator[tuple
 
 def _sets_of(mesh: ImportedMesh, kind: str, which: np.ndarray) -> str:
     names = [name for name, of in mesh.cell_sets.items() if kind in of and which[of[kind]].any()]
-    return f" (set {some_of(names, 3)})" if names else ""
+    return f" (set {list_some(names, 3)})" if names else ""
 
 
 def _beside(structure: Structure, mesh: ImportedMesh, names: list[str], taken: set[str]) -> Iterator[tuple[str, str]]:

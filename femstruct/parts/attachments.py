@@ -12,13 +12,13 @@ from scipy.sparse import csr_array, vstack
 from femstruct.arrays import Floats, Integers, freeze, frozen_integers
 from femstruct.conventions import DIRECTIONS
 from femstruct.declared import checked
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.model.attached import (
     TAKEN,
     Attached,
     Nodes,
     Users,
-    attached,
+    attach_stated,
     average_rows,
     held_rows,
     idle_rows,
@@ -110,7 +110,7 @@ class Attachments(GivenNodes):
 
     def described(self) -> tuple[Given, ...]:
         names = list(dict.fromkeys(one.name for one in self.holds))
-        counted = [f"supports {some_of(names)}"] if names else []
+        counted = [f"supports {list_some(names)}"] if names else []
         if "links" in self.take:
             counted.append(f"{len(self.mesh.stated.links)} links")
         masses = () if "masses" not in self.take else self.mesh.stated.masses
@@ -129,7 +129,7 @@ class Attachments(GivenNodes):
         return "attachments", self.mesh.source, self.mesh.scale, self.take, self.supports, self.mass_unit
 
     def attaches(self, users: Users) -> Attached:
-        return attached(self.mesh, self.take, self.holds, users)
+        return attach_stated(self.mesh, self.take, self.holds, users)
 
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
         """Masses that are heavier than metal as large as the mesh."""

@@ -14,10 +14,10 @@ from femstruct.declared import checked
 from femstruct.errors import Finding, InputError
 from femstruct.model.imported_mesh import Makes
 from femstruct.model.layout import Grids, Layout
-from femstruct.model.materials import Given, given
+from femstruct.model.materials import Given, given_fields
 from femstruct.model.part import Drawn, FilledBox, Meshed, OwnDofs, Part, nodal_dofs, refuse_patch
 from femstruct.model.probe import Point
-from femstruct.model.regions import Vector, carried, flat_rows, sparse_rows
+from femstruct.model.regions import Vector, carry_along_arms, flat_rows, sparse_rows
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.plausibility import density_findings
 from femstruct.tags import stored_as
@@ -51,7 +51,7 @@ class Block(Part):
         return frozenset((Makes.MASSES,))
 
     def described(self) -> tuple[Given, ...]:
-        return given(self, {"mass": "kg", "origin": "m", "size": "m", "center": "m", "inertia": "kg m^2"})
+        return given_fields(self, {"mass": "kg", "origin": "m", "size": "m", "center": "m", "inertia": "kg m^2"})
 
     @property
     def middle(self) -> Vector:
@@ -133,7 +133,7 @@ class BlockMesh(Meshed):
     def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
         rows = np.zeros((len(places), 6, 1, N_COMPONENTS))
         rows[:, :, 0, :6] = np.eye(6)
-        return np.full((len(places), 1), self.first), carried(rows, places - self.places[0])
+        return np.full((len(places), 1), self.first), carry_along_arms(rows, places - self.places[0])
 
     def point(self, name: str, place: PlaceOn, at: Floats, tolerance: float) -> Point:
         where = f"points.{name}"

@@ -20,16 +20,16 @@ from femstruct.model.imported_mesh import (
     frame_across,
     outer_line,
     outwards,
-    put_where,
     rectangle_round,
     upwards,
+    with_where,
 )
 from femstruct.model.lay_ups import LayUp, materials_of
 from femstruct.model.layout import Layout
-from femstruct.model.materials import AnyMaterial, Given, Material, given
+from femstruct.model.materials import AnyMaterial, Given, Material, given_fields
 from femstruct.model.part import Drawn, Meshed, Part, RegionSpread, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point, Surface
-from femstruct.model.regions import Facing, Region, Side, Vector, carried, flat_rows, sparse_rows
+from femstruct.model.regions import Facing, Region, Side, Vector, carry_along_arms, flat_rows, sparse_rows
 from femstruct.model.shell_cells import CellPlaces, cell_points, nearest_places
 from femstruct.model.solid_cells import SolidCells
 from femstruct.model.structure import PlaceOn, SurfaceOn
@@ -100,7 +100,7 @@ class MeshPart(GivenNodes):
         """Raises InputError for a set that is not there or has no such cells, and for a direction of a material that
         has none."""
         key = "mesh" if self.named is None else "set"
-        put_where(f"parts.{self.name}.{key}", lambda: self.own_cells)
+        with_where(f"parts.{self.name}.{key}", lambda: self.own_cells)
         if isinstance(self.material, Material) and self.orientation is not None:
             raise InputError(
                 f"parts.{self.name}.orientation",
@@ -115,7 +115,7 @@ class MeshPart(GivenNodes):
         return self.mesh.cells_of(self.named, self.dimension)
 
     def described(self) -> tuple[Given, ...]:
-        kept = tuple(one for one in given(self, self.units) if one.what != "mesh")
+        kept = tuple(one for one in given_fields(self, self.units) if one.what != "mesh")
         cells = ", ".join(f"{len(some)} {kind}" for kind, some in self.mesh.cells.items())
         return (Given("mesh", f"{self.mesh.source} ({cells}, {len(self.mesh.points)} nodes)"), *kept)
 
@@ -213,7 +213,7 @@ class CellsMesh(Meshed):
     def motion_on_cells(self, places: Floats) -> tuple[Integers, Floats]:
         found = nearest_places(self.facets, places)
         nodes, rows = self.facet_motion(found.cells, found.xi, found.eta)
-        return nodes, carried(rows, places - found.positions)
+        return nodes, carry_along_arms(rows, places - found.positions)
 
     @abstractmethod
     def facet_reach(self, facet: int, tolerance: float) -> float:
@@ -232,7 +232,7 @@ class CellsMesh(Meshed):
         """A point that moves as some of its nodes do in the mean."""
 
     def within(self, where: str, region: Region, tolerance: float) -> Integers:
-        found = put_where(where, lambda: self.cells.nodes_within(self.part.mesh, region, tolerance))
+        found = with_where(where, lambda: self.cells.nodes_within(self.part.mesh, region, tolerance))
         if not len(found):
             raise InputError(where, got=f"a {region} without a node of {self.name}", expected="one with nodes")
         return self.first + found
@@ -256,7 +256,7 @@ class CellsMesh(Meshed):
             )
         nodes, rows = self.facet_motion(found.cells, found.xi, found.eta)
         if off > tolerance:
-            rows = carried(rows, at - found.positions[0])
+            rows = carry_along_arms(rows, at - found.positions[0])
         return Point(name, at, *flat_rows(nodes, rows, np.ones(1)), normal=self.facet_normal(cell, place.side))
 
     def chosen(self, where: str, region: Region, tolerance: float) -> Integers:
@@ -264,7 +264,7 @@ class CellsMesh(Meshed):
         if region.kind not in ("whole", "box", "set"):
             got = f"a {region.kind} of a {self.words.kind}"
             raise InputError(where, got=got, expected="whole, a set or a box")
-        found = put_where(where, lambda: self.facets_within(region, tolerance))
+        found = with_where(where, lambda: self.facets_within(region, tolerance))
         if not len(found):
             got = f"a {region} without a {self.words.facet} of {self.name}"
             raise InputError(where, got=got, expected=f"one with {self.words.facet}s")

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, some_of
+from femstruct.errors import Finding, list_some
 from femstruct.model.elastic_layers import layer_of
 from femstruct.model.model import Model, part_masses
 from femstruct.model.part import FilledBox
@@ -37,12 +37,18 @@ def arrangement_findings(
     """
     found = pieces(model, joined)
     falling = _falling(found, gravity)
-    told = {name for piece in found if gravity and piece.falls for name in piece.parts}
-    return (*_unjoined(model, found), *falling, *_turned(model, found, told), *_held(model), *_dominating(model))
+    falling_parts = {name for piece in found if gravity and piece.falls for name in piece.parts}
+    return (
+        *_unjoined(model, found),
+        *falling,
+        *_turned(model, found, falling_parts),
+        *_held(model),
+        *_dominating(model),
+    )
 
 
 def _names(piece: Piece) -> str:
-    return some_of(piece.parts)
+    return list_some(piece.parts)
 
 
 def _unjoined(model: Model, found: tuple[Piece, ...]) -> list[Finding]:
@@ -101,13 +107,13 @@ def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:
     ]
 
 
-def _turned(model: Model, found: tuple[Piece, ...], told: Collection[str]) -> list[Finding]:
-    """Edges whose springs or walls only resist rotation, of parts that nothing holds along their normal. told : parts
+def _turned(model: Model, found: tuple[Piece, ...], fallen: Collection[str]) -> list[Finding]:
+    """Edges whose springs or walls only resist rotation, of parts that nothing holds along their normal. fallen : parts
     of which it is said that they fall."""
     raised = []
     for item in model.structure.supports:
         turned = item.walls or (ABOUT in item.stiffness and ACROSS not in item.stiffness)
-        if not turned or item.on is None or item.on in told:
+        if not turned or item.on is None or item.on in fallen:
             continue
         axes = model.parts[item.on].own_axes
         normal = np.eye(3)[2] if axes is None else axes[2]
@@ -131,7 +137,7 @@ def _turned(model: Model, found: tuple[Piece, ...], told: Collection[str]) -> li
 def _held(model: Model) -> list[Finding]:
     """Parts of which every node is held: of a plate its deflection, of frames and blocks all three displacements."""
     held = held_directions(model)
-    told = []
+    findings = []
     for name, part in model.parts.items():
         nodes = part.nodes
         if part.own_axes is not None:
@@ -142,7 +148,7 @@ def _held(model: Model) -> list[Finding]:
             share = np.linalg.eigvalsh(held[nodes])[:, 0]
             what = "every node"
         if share.min(initial=1.0) > HELD_ROUNDING:
-            told.append(
+            findings.append(
                 Finding(
                     "nothing-moves",
                     f"{name}: supports hold {what} ({len(nodes)}), so that it cannot move. Is the mesh too coarse, "
@@ -152,7 +158,7 @@ def _held(model: Model) -> list[Finding]:
                     severe=True,
                 )
             )
-    return told
+    return findings
 
 
 def _times(mass: float, rest: float) -> str:
@@ -227,7 +233,7 @@ INSIDE = 0.5  # of the thinner part: from here on it is in the other's place
 MOST_LINES = 3000  # straight pieces compared each with each
 
 
-def twice_findings(structure: Structure) -> tuple[Finding, ...]:
+def duplicate_findings(structure: Structure) -> tuple[Finding, ...]:
     """Two parts in one place, a line given twice, and a mass, spring or layer given again; all with their names."""
     size = extent(structure)
     joined = {frozenset((joint.a, joint.b)) for joint in structure.joints}
@@ -303,13 +309,16 @@ def _lines(structure: Structure, tolerance: float, joined: set[frozenset[str]]) 
     if not names:
         return []
     ends = np.concatenate(pieces)
-    told: dict[tuple[str, str], tuple[Floats, float, int]] = {}
+    shared_lines: dict[tuple[str, str], tuple[Floats, float, int]] = {}
     for first, second, shared in _overlapping(ends, tolerance):
         key = (names[first], names[second])
         middle = ends[second].mean(axis=0)
-        at, length, count = told.get(key, (middle, 0.0, 0))
-        told[key] = (at, length + shared, count + 1)
-    return [_line_twice(*key, at, length, count, frozenset(key) in joined) for key, (at, length, count) in told.items()]
+        at, length, count = shared_lines.get(key, (middle, 0.0, 0))
+        shared_lines[key] = (at, length + shared, count + 1)
+    return [
+        _line_twice(*key, at, length, count, frozenset(key) in joined)
+        for key, (at, length, count) in shared_lines.items()
+    ]
 
 
 def _line_twice(one: str, other: str, at: Floats, length: float, count: int, joined: bool) -> Finding:

@@ -15,7 +15,7 @@ from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.elastic_layers import LayerPlane, layer_of
 from femstruct.model.layout import Layout
-from femstruct.model.materials import Given, Loss, given
+from femstruct.model.materials import Given, Loss, given_fields
 from femstruct.model.model import Model
 from femstruct.model.part import Elastic, Meshed, Part
 from femstruct.model.regions import Region, Touched, grid_points, sparse_rows, to_rectangle
@@ -68,8 +68,8 @@ class Foundation(Part):
 
     def described(self) -> tuple[Given, ...]:
         unit = "N/m^3" if self.region.kind in ("whole", "rectangle") else "N/m^2"
-        told = given(self, {"normal": unit, "shear": unit})
-        return tuple(one for one in told if self.to is None or one.what != "side")
+        fields = given_fields(self, {"normal": unit, "shear": unit})
+        return tuple(one for one in fields if self.to is None or one.what != "side")
 
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
         return "layer", self.on, self.to, self.region, self.normal, self.shear, self.side

@@ -23,12 +23,12 @@ from femstruct.elements.polynomials import gauss_interval
 from femstruct.errors import Finding, InputError
 from femstruct.model.imported_mesh import Makes
 from femstruct.model.layout import Grids, Layout, Segment
-from femstruct.model.materials import AnyMaterial, Given, Loss, given, of_bar, refuse_laboratory
+from femstruct.model.materials import AnyMaterial, Given, Loss, given_fields, of_bar, refuse_laboratory
 from femstruct.model.model import Model
 from femstruct.model.part import Drawn, Meshed, OwnDofs, Part, RegionSpread, nodal_dofs, refuse_not_global, refuse_patch
 from femstruct.model.probe import Point, StressPlaces
-from femstruct.model.regions import Region, Vector, carried, distance_to_segments, flat_rows, sparse_rows
-from femstruct.model.scatter import scattered
+from femstruct.model.regions import Region, Vector, carry_along_arms, distance_to_segments, flat_rows, sparse_rows
+from femstruct.model.scatter import scatter
 from femstruct.model.sections import Section
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.plausibility import section_findings
@@ -86,8 +86,8 @@ def _vertex_offsets(frame: Lines, points: Floats) -> Floats:
         return np.tile(first, (len(points), 1))
     offsets = np.zeros_like(points)
     if first.any() and last.any():
-        way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        offsets = first + np.outer(way / max(way[-1], np.finfo(float).tiny), last - first)
+        length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        offsets = first + np.outer(length / max(length[-1], np.finfo(float).tiny), last - first)
     offsets[0], offsets[-1] = first, last
     return offsets
 
@@ -267,7 +267,7 @@ class FrameMesh(Meshed):
             members.with_offsets(members.to_global(matrix, self.axes), *np.moveaxis(self.arms, 1, 0))
             for matrix in local
         ]
-        return scattered(at_nodes[0], at_nodes[1], of_bars, 6 * len(self.places))
+        return scatter(at_nodes[0], at_nodes[1], of_bars, 6 * len(self.places))
 
     def rows(self, bars: Integers, shares: Floats) -> tuple[Integers, Floats]:
         """Motion of places along bars from the components of their nodes.
@@ -317,7 +317,7 @@ class FrameMesh(Meshed):
         bars = np.array([int(np.argmin(distances)) for distances, _ in nearest], dtype=np.int64)
         shares = np.array([along[bar] for bar, (_, along) in zip(bars, nearest, strict=True)])
         nodes, rows = self.rows(bars, shares)
-        return nodes, carried(rows, places - self._along(bars, shares))
+        return nodes, carry_along_arms(rows, places - self._along(bars, shares))
 
     def section_forces(self, bars: Integers, shares: Floats) -> Floats:
         """Rows [p, 6, k, 7] of N Vy Vz [N] and T My Mz [N m] at places along bars, as
@@ -488,7 +488,7 @@ class Frame(Part):
         return frozenset((Makes.BARS,))
 
     def described(self) -> tuple[Given, ...]:
-        return given(self, {"lines": "m", "mesh": "m", "start_offset": "m", "end_offset": "m"})
+        return given_fields(self, {"lines": "m", "mesh": "m", "start_offset": "m", "end_offset": "m"})
 
     def corners(self) -> Floats:
         return np.array([point for line in self.lines for point in line], dtype=np.float64).reshape(-1, 3)

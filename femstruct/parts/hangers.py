@@ -16,7 +16,7 @@ from femstruct.elements.polynomials import gauss_interval
 from femstruct.errors import InputError
 from femstruct.model.elastic_layers import LayerPlane, layer_of
 from femstruct.model.layout import Layout
-from femstruct.model.materials import Given, Loss, given
+from femstruct.model.materials import Given, Loss, given_fields
 from femstruct.model.model import Model
 from femstruct.model.part import Elastic, FilledBox, Inert, Meshed, Part
 from femstruct.model.regions import PARALLEL, Pair, Region, clip, line_points, sparse_rows
@@ -86,7 +86,7 @@ class Hangers(Part):
 
     def described(self) -> tuple[Given, ...]:
         each, mass = ("N/m", "kg") if self.per == "piece" else ("N/m^2", "kg/m")
-        return given(self, {"normal": each, "shear": each, "mass": mass, "spacing": "m", "at": "m"})
+        return given_fields(self, {"normal": each, "shear": each, "mass": mass, "spacing": "m", "at": "m"})
 
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...]:
         return "hangers", self.on, self.to, self.normal, self.shear, self.per, self.spacing, self.along, self.at

@@ -12,7 +12,7 @@ from femstruct.arrays import Floats
 from femstruct.declared import checked
 from femstruct.errors import InputError
 from femstruct.model.imported_mesh import Makes
-from femstruct.model.materials import Given, given
+from femstruct.model.materials import Given, given_fields
 from femstruct.model.model import Model, places_of, point_rows
 from femstruct.model.part import Inert, Part
 from femstruct.model.regions import Vector
@@ -53,14 +53,14 @@ class Inertia(Part):
         if not self.mass > 0:
             raise InputError(f"{where}.mass", got=f"{self.mass:g}", expected="a positive mass")
         principal, _ = self.principal()
-        told = ", ".join(f"{value:.4g}" for value in principal)
+        moments = ", ".join(f"{value:.4g}" for value in principal)
         if principal[0] < -MOMENT_ROUNDING * principal[2]:
-            got = f"principal moments of {told} kg*m^2"
+            got = f"principal moments of {moments} kg*m^2"
             raise InputError(f"{where}.inertia", got=got, expected="none below zero", do="check the signs")
         if principal[0] + principal[1] < (1.0 - MOMENT_ROUNDING) * principal[2]:
             raise InputError(
                 f"{where}.inertia",
-                got=f"principal moments of {told} kg*m^2",
+                got=f"principal moments of {moments} kg*m^2",
                 expected="none larger than the sum of the two others, as those of every body",
                 do="give them about the centre of mass, [Ixx, Iyy, Izz, Ixy, Iyz, Izx] with Ixy = integral of x y dm",
             )
@@ -69,7 +69,7 @@ class Inertia(Part):
         return frozenset((Makes.MASSES,))
 
     def described(self) -> tuple[Given, ...]:
-        return given(self, {"mass": "kg", "moments": "kg m^2", "products": "kg m^2", "offset": "m"})
+        return given_fields(self, {"mass": "kg", "moments": "kg m^2", "products": "kg m^2", "offset": "m"})
 
     def principal(self) -> tuple[Floats, Floats]:
         """Principal moments [3], ascending [kg m^2], and their axes as rows [3, 3]."""

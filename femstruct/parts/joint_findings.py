@@ -453,7 +453,7 @@ def shared_node_findings(model: Model) -> tuple[Finding, ...]:
     if not found:
         return ()
     names = ", ".join(f"{one.name} (at {len(one.pairs)})" for one in found)
-    told = [
+    findings = [
         Finding(
             "parts-share-nodes",
             f"Parts of one mesh file are joined at the nodes that they share there: {names}. A joint or a seam of two "
@@ -461,7 +461,7 @@ def shared_node_findings(model: Model) -> tuple[Finding, ...]:
             {"pairs": len(found), "nodes": sum(len(one.pairs) for one in found)},
         )
     ]
-    return (*told, *(hinge for one in found for hinge in _hinge(one, model)))
+    return (*findings, *(hinge for one in found for hinge in _hinge(one, model)))
 
 
 def _hinge(shared: SharedNodes, model: Model) -> list[Finding]:

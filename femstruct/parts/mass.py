@@ -10,10 +10,10 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from femstruct.declared import checked
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.model.imported_mesh import Makes
 from femstruct.model.layout import Layout
-from femstruct.model.materials import Given, given
+from femstruct.model.materials import Given, given_fields
 from femstruct.model.model import Model, places_of, point_rows
 from femstruct.model.part import Inert, Part
 from femstruct.model.regions import Region, sparse_rows
@@ -54,7 +54,7 @@ class Mass(Part):
         return frozenset((Makes.MASSES,))
 
     def described(self) -> tuple[Given, ...]:
-        return given(self, {"mass": {"total": "kg", "length": "kg/m", "area": "kg/m^2"}[self.per]})
+        return given_fields(self, {"mass": {"total": "kg", "length": "kg/m", "area": "kg/m^2"}[self.per]})
 
     def carriers(self) -> tuple[str | None, ...]:
         return (self.at,)
@@ -91,7 +91,7 @@ class Mass(Part):
         part = model.parts.get(self.on or "")
         over = None if part is None else part.spread(f"{where}.region", region, tolerance, ORDER)
         if over is None:
-            known = some_of([name for name, one in model.parts.items() if not one.rigid])
+            known = list_some([name for name, one in model.parts.items() if not one.rigid])
             raise InputError(f"{where}.on", got=f"'{self.on}'", expected=f"a plate or a frame: {known}")
         if self.per not in ("total", over.per):
             got = f"a mass per {self.per} over a {over.over}"

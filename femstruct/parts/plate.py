@@ -19,7 +19,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.model.imported_mesh import towards
 from femstruct.model.lay_ups import LayUp, PlateSection, materials_of, section_of, stresses_of_resultants
 from femstruct.model.layout import Grids, Layout, cell_sides
-from femstruct.model.materials import AnyMaterial, Given, Loss, Material, given
+from femstruct.model.materials import AnyMaterial, Given, Loss, Material, given_fields
 from femstruct.model.model import Model
 from femstruct.model.part import Drawn, EdgePoints, FilledBox, LossShare, Meshed, OwnDofs, Part, RegionSpread
 from femstruct.model.probe import Point, StressPlaces, Surface
@@ -30,9 +30,9 @@ from femstruct.model.regions import (
     Side,
     Vector,
     area_points,
-    carried,
+    carry_along_arms,
     distance_to_rectangle,
-    divided,
+    divide_grid,
     flat_rows,
     from_rectangle,
     grid_points,
@@ -42,11 +42,11 @@ from femstruct.model.regions import (
     rectangle_axes,
     region_box,
     region_lines,
-    snapped,
+    snap_to_grid,
     sparse_rows,
     to_rectangle,
 )
-from femstruct.model.scatter import interleaved, scattered, with_diagonal
+from femstruct.model.scatter import interleave, scatter, with_diagonal
 from femstruct.model.structure import SIMPLE, PlaceOn, Support, SurfaceOn
 from femstruct.parts.plausibility import refuse_thicker, thickness_findings
 from femstruct.tags import stored_as
@@ -565,7 +565,7 @@ class PlateMesh(Meshed):
             stretches = membrane.stiffness(corners, section.A), membrane.mass(corners, section.m0, section.m2)
             of_bending = self._of_cells(bends, which, bending)
             of_membrane = self._of_cells(stretches, which, STRETCHING)
-            K, M = (interleaved(both, (bending, STRETCHING)) for both in zip(of_bending, of_membrane, strict=True))
+            K, M = (interleave(both, (bending, STRETCHING)) for both in zip(of_bending, of_membrane, strict=True))
             return K, M
         K, M = self._of_cells(bends, which, bending)
         width, height = part.size
@@ -585,7 +585,7 @@ class PlateMesh(Meshed):
             else:
                 stretches = membrane.stiffness(membrane.rectangle(a, b), section.A, share=one.A)
                 of_membrane, _ = self._of_cells((stretches, stretches), which, STRETCHING)
-                K = interleaved((K, of_membrane), (plate.dofs_per_node(part.element), STRETCHING))
+                K = interleave((K, of_membrane), (plate.dofs_per_node(part.element), STRETCHING))
             found.append(LossShare(one.name, one.loss_factor, K))
         return found
 
@@ -600,7 +600,7 @@ class PlateMesh(Meshed):
     def _of_cells(self, matrices: tuple[Floats, Floats], which: Integers, per_node: int) -> tuple[csr_array, csr_array]:
         """Stiffness and mass of all cells from those of each size of cell."""
         numbers = ((self.quads - self.first)[:, :, None] * per_node + np.arange(per_node)).reshape(len(which), -1)
-        return scattered(*matrices, numbers, len(self.local) * per_node, which)
+        return scatter(*matrices, numbers, len(self.local) * per_node, which)
 
     def rows(self, local: Floats) -> tuple[Integers, Floats]:
         """Nodes [p, 4] and rows [p, 6, 4, 7] of the motion of its places [p, 2] [m], as `plate_rows`."""
@@ -610,10 +610,10 @@ class PlateMesh(Meshed):
     def motion_at(self, places: Floats, tolerance: float) -> tuple[Integers, Floats]:
         """Off its mid-surface, places stand on its normals."""
         local = to_rectangle(self.part, self.axes, places)
-        on_lines = [snapped(local[:, i], lines, tolerance) for i, lines in enumerate((self.x, self.y))]
+        on_lines = [snap_to_grid(local[:, i], lines, tolerance) for i, lines in enumerate((self.x, self.y))]
         nodes, rows = self.rows(np.stack(on_lines, axis=1))
         height = float(local[:, 2].mean())
-        return nodes, carried(rows, height * self.axes[2]) if abs(height) > tolerance else rows
+        return nodes, carry_along_arms(rows, height * self.axes[2]) if abs(height) > tolerance else rows
 
     def side_normal(self, side: Side) -> Floats:
         """Unit normal out of the named side. Above is up along global z; on a plate normal to the horizontal it is the
@@ -715,7 +715,7 @@ class PlateMesh(Meshed):
         return lines
 
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
-        x, y = (divided(lines, divisions) for lines in (self.x, self.y))
+        x, y = (divide_grid(lines, divisions) for lines in (self.x, self.y))
         local = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         nodes, rows = self.rows(local)
         n = np.arange(len(local)).reshape(len(x), len(y))
@@ -800,7 +800,7 @@ class Plate(Part):
             )
 
     def described(self) -> tuple[Given, ...]:
-        return given(
+        return given_fields(
             self,
             {
                 "thickness": "m",

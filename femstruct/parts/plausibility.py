@@ -81,11 +81,11 @@ def _completed(material: Orthotropic) -> tuple[Finding, ...]:
     if not material.completed:
         return ()
     (Ex, Ey, Ez), (xy, yz, zx), nu = material.E, material.G, material.ratios
-    told = f"{material.name}: {', '.join(material.completed)} complete what was given"
+    sentence = f"{material.name}: {', '.join(material.completed)} complete what was given"
     return (
         Finding(
             "material-completed",
-            f"{told}. Ex, Ey, Ez: {', '.join(map(_pressure, (Ex, Ey, Ez)))}; Gxy, Gyz, Gzx: "
+            f"{sentence}. Ex, Ey, Ez: {', '.join(map(_pressure, (Ex, Ey, Ez)))}; Gxy, Gyz, Gzx: "
             f"{', '.join(map(_pressure, (xy, yz, zx)))}; nuxy, nuyz, nuzx: {', '.join(f'{one:.3g}' for one in nu)}",
             {"Ez_pa": Ez, "Gzx_pa": zx, "nu_yz": nu[1], "nu_zx": nu[2]},
         ),
@@ -97,9 +97,9 @@ def _solid_findings(name: str, E: float, nu: float, rho: float) -> tuple[Finding
         return ()
     speed = float(np.sqrt(E / rho))
     if rho > DENSEST:
-        told = f"{name}: rho {rho:.4g} kg/m^3, the densest solid has {DENSEST:.0f}"
+        message = f"{name}: rho {rho:.4g} kg/m^3, the densest solid has {DENSEST:.0f}"
     elif rho < LIGHTEST:
-        told = f"{name}: rho {rho:.4g} kg/m^3, lighter than any solid (rho: 0 is a part without mass)"
+        message = f"{name}: rho {rho:.4g} kg/m^3, lighter than any solid (rho: 0 is a part without mass)"
     elif SLOWEST <= speed <= FASTEST and (speed >= SLOWEST_HARD or rho <= DENSE or nu >= RUBBER):
         return ()
     else:
@@ -108,18 +108,18 @@ def _solid_findings(name: str, E: float, nu: float, rho: float) -> tuple[Finding
             known = (
                 f"above {DENSE:.0f} kg/m^3 only rubbers (nu {RUBBER:g} or more) have less than {SLOWEST_HARD:.0f} m/s"
             )
-        told = (
+        message = (
             f"{name}: with E {_pressure(E)} and rho {rho:.4g} kg/m^3 the speed of sound in a bar is {speed:.3g} m/s; "
             f"{known}"
         )
     stiffer = _meant(E, lambda other: _is_ordinary(other, rho, nu))
     denser = _meant(rho, lambda other: _is_ordinary(E, other, nu))
     if DENSEST >= rho >= LIGHTEST and stiffer is not None:
-        told += f". Did you mean E {_pressure(stiffer)}?"
+        message += f". Did you mean E {_pressure(stiffer)}?"
     elif denser is not None:
-        told += f". Did you mean rho {denser:.4g} kg/m^3?"
+        message += f". Did you mean rho {denser:.4g} kg/m^3?"
     values = {"wave_speed_m_s": speed, "E_pa": E, "rho_kg_m3": rho}
-    return (Finding("implausible-material", told, values, severe=True),)
+    return (Finding("implausible-material", message, values, severe=True),)
 
 
 def _is_ordinary(E: float, rho: float, nu: float) -> bool:
@@ -169,14 +169,14 @@ def thickness_findings(
     h = section.thickness
     if h < THINNEST * side:
         meant = _meant(h, lambda other: side / SLENDEREST <= other <= side / STOUTEST)
-        asked = "" if meant is None else f". Did you mean {_length(meant)}?"
+        question = "" if meant is None else f". Did you mean {_length(meant)}?"
         if side >= LONGEST_SPAN and STOUTEST * h <= 1e-3 * side <= SLENDEREST * h:
-            asked = f". Plain numbers are metres: did you mean a side of {_length(1e-3 * side)}?"
+            question = f". Plain numbers are metres: did you mean a side of {_length(1e-3 * side)}?"
         return (
             Finding(
                 "implausible-thickness",
                 f"{name} is {_length(h)} thick, 1/{side / h:.0f} of its shorter side of {_length(side)}: a foil, "
-                f"which has no bending stiffness in practice{asked}",
+                f"which has no bending stiffness in practice{question}",
                 {"thickness_m": h, "side_m": side},
                 severe=True,
             ),
@@ -185,12 +185,12 @@ def thickness_findings(
     rubber = any(isinstance(one, Material) and one.nu >= RUBBER for one in materials)
     if not hangs or rubber or side / h > STOUT or sag <= SAGGING * side:
         return ()
-    told = ", ".join(_moduli(one) for one in materials) or "the rigidities, the mass"
+    data = ", ".join(_moduli(one) for one in materials) or "the rigidities, the mass"
     return (
         Finding(
             "implausible-stiffness",
             f"{name}: {_length(h)} thick and simply supported over its shorter side of {_length(side)}, it would "
-            f"sag by {_length(sag)} under its own weight, {100 * sag / side:.0f} %; floors sag by 0.1 %. Check {told}, "
+            f"sag by {_length(sag)} under its own weight, {100 * sag / side:.0f} %; floors sag by 0.1 %. Check {data}, "
             "the thickness and the size",
             {"sag_m": sag, "side_m": side},
             severe=True,
@@ -220,25 +220,25 @@ def section_findings(name: str, section: Section, lines: Iterable[Sequence[Vecto
     longest_piece = max(float(lengths.max()) for lengths in pieces)
     longest_line = max(float(lengths.sum()) for lengths in pieces)
     side, gyration = np.sqrt(section.A), np.sqrt(min(section.Iy, section.Iz) / section.A)
-    told = ""
+    message = ""
     if side > (THICKEST_LARGE if side > LARGE else THICKEST_BAR) * longest_line:
-        told = f"an area of {section.A:.4g} m^2, {_length(side)} square, on a line of {_length(longest_line)}"
+        message = f"an area of {section.A:.4g} m^2, {_length(side)} square, on a line of {_length(longest_line)}"
     elif gyration < longest_piece / LONGEST_BAR:
-        told = f"a radius of gyration of {gyration:.3g} m on a straight piece of {_length(longest_piece)}"
+        message = f"a radius of gyration of {gyration:.3g} m on a straight piece of {_length(longest_piece)}"
     else:
         for axis, moment in (("Iy", section.Iy), ("Iz", section.Iz)):
             low, high = PROPORTIONS
             if not low <= moment / section.A**2 <= high:
-                told = (
+                message = (
                     f"A {section.A:.4g} m^2 and {axis} {moment:.4g} m^4, {moment / section.A**2:.3g} of A^2; a square "
                     f"has 0.083, others {low:g} to {high:g}"
                 )
-    if not told:
+    if not message:
         return ()
     return (
         Finding(
             "implausible-section",
-            f"{name}: its section {section.name} has {told}. Plain numbers are m, m^2 and m^4",
+            f"{name}: its section {section.name} has {message}. Plain numbers are m, m^2 and m^4",
             {"area_m2": section.A, "radius_of_gyration_m": float(gyration), "length_m": longest_piece},
             severe=True,
         ),

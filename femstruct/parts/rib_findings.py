@@ -356,15 +356,15 @@ def eccentric_findings(model: Model) -> tuple[Finding, ...]:
         key = (error.frame, error.plate)
         if key not in worst or error.excess > worst[key].excess:
             worst[key] = error
-    told = [_told(error) for error in worst.values() if error.excess > NOTABLE]
+    findings = [_rib_finding(error) for error in worst.values() if error.excess > NOTABLE]
     plates = {name: plate.part for name, plate in rigid_plates(model).items()}
     for part in model.structure.parts:
         if isinstance(part, Foundation) and set(part.ends) <= plates.keys():
-            told += _layer(part, *(plates[name] for name in part.ends))
-    return tuple(told)
+            findings += _layer(part, *(plates[name] for name in part.ends))
+    return tuple(findings)
 
 
-def _told(error: RibError) -> Finding:
+def _rib_finding(error: RibError) -> Finding:
     bends, twists = (percent(np.sqrt(ratio) - 1.0) for ratio in (error.bending, error.torsion))
     return Finding(
         "eccentric-bars",

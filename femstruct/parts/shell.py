@@ -22,7 +22,7 @@ from femstruct.model.imported_mesh import (
     StatedSpread,
     frame_across,
     outwards,
-    put_where,
+    with_where,
 )
 from femstruct.model.lay_ups import LayUp, PlateSection, section_of, stresses_of_resultants
 from femstruct.model.layout import Grids, Layout
@@ -104,7 +104,7 @@ def _by_set(where: str, shell: Shell, cells: FlatCells) -> Mapping[str | None, f
 
 
 def _of_set(where: str, shell: Shell, name: str, cells: FlatCells) -> np.ndarray:
-    return put_where(where, lambda: cells.in_set(shell.mesh, name))
+    return with_where(where, lambda: cells.in_set(shell.mesh, name))
 
 
 def _has(shell: Shell, name: str, cells: FlatCells) -> bool:
@@ -304,7 +304,7 @@ class ShellMesh(CellsMesh):
         return nodal_dofs(len(self.places), 6)
 
     def stiffness_and_mass(self) -> tuple[csr_array, csr_array]:
-        return put_where(f"parts.{self.name}", lambda: cell_matrices(self.cells, self.sections, self.part.shift))
+        return with_where(f"parts.{self.name}", lambda: cell_matrices(self.cells, self.sections, self.part.shift))
 
     def shares(self) -> list[LossShare]:
         made, which = self._made()

@@ -14,11 +14,11 @@ from femstruct.errors import Finding, InputError
 from femstruct.model.flat_cells import flat_cells
 from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.lay_ups import LayUp, materials_of, section_of
-from femstruct.model.layout import Gridded, Grids, Hole, Layout, gridded
-from femstruct.model.materials import AnyMaterial, Given, Material, given
+from femstruct.model.layout import Gridded, Grids, Hole, Layout, grid_cells
+from femstruct.model.materials import AnyMaterial, Given, Material, given_fields
 from femstruct.model.part import FilledBox
 from femstruct.model.probe import Point
-from femstruct.model.regions import Pair, Vector, carried, from_rectangle, rectangle_axes, to_rectangle
+from femstruct.model.regions import Pair, Vector, carry_along_arms, from_rectangle, rectangle_axes, to_rectangle
 from femstruct.model.structure import PlaceOn
 from femstruct.parts.cells import GivenNodes
 from femstruct.parts.plausibility import refuse_thicker, thickness_findings
@@ -131,11 +131,11 @@ class Slab(GivenNodes):
 
     def described(self) -> tuple[Given, ...]:
         keys = ("thickness", "outline", "mesh", "holes", "through", "origin", "offset")
-        return given(self, dict.fromkeys(keys, "m"))
+        return given_fields(self, dict.fromkeys(keys, "m"))
 
     def grid(self) -> Gridded:
         """Its nodes and cells in its own coordinates."""
-        return gridded(f"parts.{self.name}", self.outline, self.holes, self.through, self.mesh)
+        return grid_cells(f"parts.{self.name}", self.outline, self.holes, self.through, self.mesh)
 
     @property
     def size(self) -> Pair:
@@ -212,7 +212,7 @@ class SlabMesh(FlatMesh):
         xi, eta = (_share(places - first, side - first) for side in (last, second))
         nodes, rows = self.facet_motion(which, xi, eta)
         height = float(((places - first) @ self.axes[2]).mean())
-        return nodes, carried(rows, height * self.axes[2]) if abs(height) > tolerance else rows
+        return nodes, carry_along_arms(rows, height * self.axes[2]) if abs(height) > tolerance else rows
 
     def lines_across(self, along: Floats, origin: Floats) -> Floats:
         cosines = self.axes[:2] @ along

@@ -229,4 +229,4 @@ class Solid(MeshPart):
         z = np.asarray(self.normal, dtype=np.float64)
         z = z - (z @ x) * x
         z /= np.linalg.norm(z)
-        return solid.turned(material.elasticity, np.stack([x, np.cross(z, x), z]))
+        return solid.rotate_elasticity(material.elasticity, np.stack([x, np.cross(z, x), z]))

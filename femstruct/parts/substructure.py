@@ -10,12 +10,12 @@ from scipy.sparse import csr_array
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import N_COMPONENTS, TWIST
 from femstruct.declared import checked
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.model.component import Component, rigid_masses, rigid_resistance
 from femstruct.model.flat_cells import FlatCells, flat_cells
 from femstruct.model.imported_mesh import ImportedMesh, frame_across
 from femstruct.model.layout import Grids, Layout
-from femstruct.model.materials import Given, given
+from femstruct.model.materials import Given, given_fields
 from femstruct.model.part import Drawn, LossShare, Meshed, OwnDofs
 from femstruct.model.probe import Point, Surface
 from femstruct.model.regions import Region, Vector, sparse_rows
@@ -64,7 +64,7 @@ class Substructure(GivenNodes):
     def described(self) -> tuple[Given, ...]:
         one = self.component
         size = f"{len(one.labels)} degrees of freedom, {len(one.points)} nodes, {len(one.interface)} of them to join"
-        rest = (given_ for given_ in given(self, {"origin": "m"}) if given_.what != "component")
+        rest = (given_ for given_ in given_fields(self, {"origin": "m"}) if given_.what != "component")
         return (Given("matrices", f"{one.source} ({size})"), *rest)
 
     def corners(self) -> Floats:
@@ -75,12 +75,12 @@ class Substructure(GivenNodes):
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
         """Matrices that contradict their nodes, and supports inside of them, whose forces cannot be had."""
         one = self.component
-        told = f"{self.name}: the matrices of {one.source}"
+        owner = f"{self.name}: the matrices of {one.source}"
         if not one.free:
             return (
                 Finding(
                     "matrices-held",
-                    f"{told} cannot shift as a whole, so something in them is held: that force on the ground is not "
+                    f"{owner} cannot shift as a whole, so something in them is held: that force on the ground is not "
                     f"recorded{UNWEIGHED if one.unweighed else ''}.",
                     {"degrees_of_freedom": len(one.labels)},
                 ),
@@ -93,7 +93,7 @@ class Substructure(GivenNodes):
             return (
                 Finding(
                     "matrices-disorder",
-                    f"{told} do not fit their nodes. Mass along x, y and z: {x:.4g}, {y:.4g}, {z:.4g} kg, which must "
+                    f"{owner} do not fit their nodes. Mass along x, y and z: {x:.4g}, {y:.4g}, {z:.4g} kg, which must "
                     f"be equal. Energy of K in a rigid motion, of that of its diagonal: {held:.2g} in a shift, "
                     f"{turns:.2g} in a rotation, where a free part has 0. Are the rows of the table of nodes in the "
                     "order of those of the matrices?",
@@ -105,7 +105,7 @@ class Substructure(GivenNodes):
         return (
             Finding(
                 "matrices-held",
-                f"{told} resist a shift as a whole, so springs in them stand on the ground: that force is not "
+                f"{owner} resist a shift as a whole, so springs in them stand on the ground: that force is not "
                 "recorded. If there are none, the rows of the table of nodes are not in the order of the matrices.",
                 {"shift_resisted": held},
             ),
@@ -246,7 +246,7 @@ class SubstructureMesh(Meshed):
         if region.kind == "set" and sets:
             named = region.named or ""
             if named not in sets:
-                raise InputError(where, got=f"'{named}', no set of {self.name}", expected=some_of(sets))
+                raise InputError(where, got=f"'{named}', no set of {self.name}", expected=list_some(sets))
             return np.asarray(self.first + sets[named])
         if region.kind not in ("whole", "box"):
             do = "its file has no sets; femstruct reduce writes them, by the names of supports and joints"

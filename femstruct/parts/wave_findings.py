@@ -12,13 +12,13 @@ from femstruct.arrays import Floats
 from femstruct.elements import laminate
 from femstruct.elements.frame import nodes_per_bar
 from femstruct.elements.plate import twist_excess
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.model.imported_mesh import KINDS
 from femstruct.model.lay_ups import PlateSection, section_of
 from femstruct.model.materials import Material
 from femstruct.model.model import Model
 from femstruct.model.part import Part
-from femstruct.model.regions import meeting_line
+from femstruct.model.regions import intersection_line
 from femstruct.parts.frame import FrameMesh, frames_of
 from femstruct.parts.joint_findings import held_with_joined
 from femstruct.parts.plate import Plate, PlateMesh, plates_of, rigid_plates
@@ -258,8 +258,8 @@ def _sheared_layers(plate: PlateMesh, up_to_hz: float) -> list[Finding]:
 
 def _by_direction(section: PlateSection) -> tuple[Floats, Floats]:
     """Bending rigidity [N m] and shear stiffness [N/m] for waves in directions all around."""
-    bends: Floats = laminate.turned(section.bending, -DIRECTIONS)[:, 0, 0]
-    shears: Floats = laminate.turned_shear(section.As, -DIRECTIONS)[:, 0, 0]
+    bends: Floats = laminate.rotate_stiffness(section.bending, -DIRECTIONS)[:, 0, 0]
+    shears: Floats = laminate.rotate_shear(section.As, -DIRECTIONS)[:, 0, 0]
     return bends, shears
 
 
@@ -280,7 +280,7 @@ def with_shear(section: PlateSection, frequency_hz: float) -> tuple[float, float
     return float(np.sqrt(squared / (omega * np.sqrt(thin)))), float(growth / np.sqrt(thin))
 
 
-def carried_hz(model: Model) -> float:
+def mesh_limit_hz(model: Model) -> float:
     """The highest frequency that all parts have cells and bars enough for [Hz]; infinite without plates, shells,
     solids and frames."""
     carried = [np.inf]
@@ -542,15 +542,15 @@ def folded_findings(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
     limit = in_plane_limit(model)
     if limit is None or not up_to_hz >= NEAR * limit.frequency_hz:
         return ()
-    names = some_of(limit.plates)
+    names = list_some(limit.plates)
     there = up_to_hz >= limit.frequency_hz
-    asked = f"modes up to {up_to_hz:.4g} Hz" if np.isfinite(up_to_hz) else "all modes"
+    requested = f"modes up to {up_to_hz:.4g} Hz" if np.isfinite(up_to_hz) else "all modes"
     return (
         Finding(
             "folded-plates",
             f"{names}: plates joined at an angle {limit.how} from about {limit.frequency_hz:.3g} Hz on, but "
             f"these are rigid there. {'The model lacks such modes. Modes' if there else 'Modes'} above "
-            f"{NEAR * limit.frequency_hz:.3g} Hz are too high by some percent or more; {asked} are requested",
+            f"{NEAR * limit.frequency_hz:.3g} Hz are too high by some percent or more; {requested} are requested",
             {"in_plane_hz": limit.frequency_hz, "up_to_hz": up_to_hz},
             severe=there,
         ),
@@ -571,7 +571,7 @@ def _prisms(model: Model) -> list[tuple[Floats, tuple[str, ...]]]:
             flat.append((joint.a, joint.b))
             continue
         try:
-            start, end = meeting_line(one.part, other.part, _SHARED * size)
+            start, end = intersection_line(one.part, other.part, _SHARED * size)
         except InputError:  # joined with less precision than asked for here
             continue
         length = float(np.linalg.norm(end - start))

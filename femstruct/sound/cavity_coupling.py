@@ -23,23 +23,23 @@ from acoustics.rooms.cavities import (
     CavityAir,
     Wool,
     cavity_air,
-    condensed,
-    together,
+    combine_cavities,
+    condense_air,
 )
 from acoustics.source import SurfaceShapes
 from femstruct.arrays import Floats, Integers
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.modal.basis import Holder, Kind, ModalBasis, in_time
-from femstruct.modal.eigen import signed
+from femstruct.modal.eigen import fix_signs
 from femstruct.model.probe import Surface
 from femstruct.model.structure import AirBetween
 from femstruct.sound.coupling import (
     NEGLIGIBLE_DAMPING_COUPLING,
     completing,
+    coupling_residual,
+    coupling_share,
     in_new_modes,
-    left_over,
-    padded,
-    stray_share,
+    pad_rows,
 )
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -121,12 +121,12 @@ def placed_cavities(
     where = f"cavities.{between.name}"
     for name in (between.first, between.second):
         if name not in surfaces:
-            raise InputError(f"{where}.between", got=f"'{name}'", expected=some_of(surfaces) or "a surface")
+            raise InputError(f"{where}.between", got=f"'{name}'", expected=list_some(surfaces) or "a surface")
     pair = surfaces[between.first], surfaces[between.second]
     distance = _distance(f"{where}.between", pair)
     local = [(one.points - pair[0].outline[0]) @ pair[0].along.T for one in pair]
     corners = _corners(pair)
-    low, high = shared(pair)
+    low, high = shared_rectangle(pair)
     sides = [np.ptp(corner, axis=0) for corner in corners]
     _check_rectangles(f"{where}.between", pair, sides, high - low)
     findings = (*_sizes(between.name, sides, high - low), *_depths(between, distance))
@@ -141,7 +141,7 @@ def all_cavities(
     Raises InputError: as `placed_cavities`, and for two cavities on one part of a surface, whose air would count twice.
     """
     found: list[PlacedCavity] = []
-    told: list[Finding] = []
+    advice: list[Finding] = []
     taken: dict[str, list[tuple[str, Integers]]] = {}
     for between in cavities:
         own, findings = placed_cavities(between, surfaces)
@@ -158,11 +158,11 @@ def all_cavities(
                     )
             taken[name].append((between.name, points))
         found += own
-        told += findings
-    return tuple(found), tuple(told)
+        advice += findings
+    return tuple(found), tuple(advice)
 
 
-def shared(pair: tuple[Surface, Surface]) -> tuple[Floats, Floats]:
+def shared_rectangle(pair: tuple[Surface, Surface]) -> tuple[Floats, Floats]:
     """Corners [2], low and high [m], of what two surfaces share, along x and y of the first from its first corner."""
     corners = _corners(pair)
     low = np.max([corner.min(axis=0) for corner in corners], axis=0)
@@ -416,14 +416,14 @@ def _good_up_to(one: PlacedCavity, kept: float, top: float) -> float:
 
 
 def _wools(basis: ModalBasis, placed: Sequence[PlacedCavity]) -> tuple[Finding, ...]:
-    told: dict[tuple[str, Wool], Finding] = {}
+    findings: dict[tuple[str, Wool], Finding] = {}
     for one in placed:
         wool = one.cavity.wool
         if wool is None:
             continue
         sigma = wool.flow_resistivity
         if not LEAST <= sigma <= MOST:
-            told.setdefault(
+            findings.setdefault(
                 ("range", wool),
                 Finding(
                     "wool-out-of-range",
@@ -441,13 +441,13 @@ def _wools(basis: ModalBasis, placed: Sequence[PlacedCavity]) -> tuple[Finding, 
         )
         rate = drag / basis.total_mass
         if rate > HELD:
-            told[("held", Wool(1.0))] = Finding(
+            findings[("held", Wool(1.0))] = Finding(
                 "held-wool",
                 f"Wool held at rest is a dashpot to the ground: it damps the common movement of both surfaces of "
                 f"{held[0].name} with up to {rate:.3g} 1/s, which loose wool does not",
                 {"rate_1_s": rate, "allowed_1_s": HELD},
             )
-    return tuple(told.values())
+    return tuple(findings.values())
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -513,10 +513,10 @@ def with_cavities(basis: ModalBasis, placed: Sequence[PlacedCavity], *, up_to_hz
     top = reach if 0 < reach < np.inf else float(up_to_hz or 0.0)
     limits = [up_to_hz or one.up_to_hz or _limit(one, top) for one in placed]
     airs = [
-        condensed(cavity_air(one.cavity, *one.shapes(basis), limit), basis.omega, top, ALONE * ALLOWED)
+        condense_air(cavity_air(one.cavity, *one.shapes(basis), limit), basis.omega, top, ALONE * ALLOWED)
         for one, limit in zip(placed, limits, strict=True)
     ]
-    air = airs[0] if len(airs) == 1 else condensed(together(airs, len(basis.omega)), basis.omega, top)
+    air = airs[0] if len(airs) == 1 else condense_air(combine_cavities(airs, len(basis.omega)), basis.omega, top)
     coupled = _coupled(basis, air, woolly=any(one.cavity.wool is not None for one in placed))
     return replace(coupled, findings=(*basis.findings, *findings_of(basis, coupled, placed, airs)))
 
@@ -528,12 +528,12 @@ def _coupled(basis: ModalBasis, air: CavityAir, *, woolly: bool) -> ModalBasis:
     own = turn[:k]
     kinds, order = _ordered(basis, own, n_rigid, len(air.mass) - air.loose)
     omega, turn, own = omega[order], turn[:, order], own[:, order]
-    viscous = turn.T @ (padded(basis.viscous, len(turn)) + air.viscous) @ turn
+    viscous = turn.T @ (pad_rows(basis.viscous, len(turn)) + air.viscous) @ turn
     hysteretic = own.T @ basis.hysteretic @ own
     still = omega == 0.0
     hysteretic[still, :] = hysteretic[:, still] = 0.0
     true = np.array([kind != "residual" for kind in kinds], dtype=bool)
-    stray = 1.0 if woolly else stray_share(in_time(viscous, hysteretic, omega), omega, own[basis.modes], true)
+    stray = 1.0 if woolly else coupling_share(in_time(viscous, hysteretic, omega), omega, own[basis.modes], true)
     return in_new_modes(
         basis,
         omega,
@@ -541,7 +541,7 @@ def _coupled(basis: ModalBasis, air: CavityAir, *, woolly: bool) -> ModalBasis:
         own,
         (viscous, hysteretic),
         coupled=stray >= NEGLIGIBLE_DAMPING_COUPLING or bool(basis.volumes),
-        residual_norm=left_over(basis.omega, air.mass, air.compression, omega, turn[: len(air.mass)]),
+        residual_norm=coupling_residual(basis.omega, air.mass, air.compression, omega, turn[: len(air.mass)]),
         complete_below_hz=min(basis.complete_below_hz / np.sqrt(1.0 + _heavier(basis, air)), air.complete_below_hz),
         holders=_holders(basis, air, turn, own),
         volumes={key: row @ own for key, row in basis.volumes.items()},
@@ -556,9 +556,9 @@ def _heavier(basis: ModalBasis, air: CavityAir) -> float:
 
 def _limit(one: PlacedCavity, top_hz: float) -> float:
     """Up to where modes of a cavity are kept for motions up to a frequency: at most MOST of them."""
-    wanted = one.cavity.kept_hz(top_hz)
-    frequency_hz, _ = room_modes(Box(one.cavity.size, one.cavity.air), wanted)
-    return wanted if len(frequency_hz) <= MOST_MODES else float(frequency_hz[MOST_MODES]) * (1.0 - 1e-9)
+    limit_hz = one.cavity.kept_hz(top_hz)
+    frequency_hz, _ = room_modes(Box(one.cavity.size, one.cavity.air), limit_hz)
+    return limit_hz if len(frequency_hz) <= MOST_MODES else float(frequency_hz[MOST_MODES]) * (1.0 - 1e-9)
 
 
 def _modes(basis: ModalBasis, air: CavityAir) -> tuple[Floats, Floats, int]:
@@ -579,7 +579,7 @@ def _modes(basis: ModalBasis, air: CavityAir) -> tuple[Floats, Floats, int]:
     pressed = air.compression[:, :first]
     freed = mass[:first, :first] - mass[:first, first:] @ sliding
     turn: Floats = eigh(np.diag(structure**2) + pressed.T @ pressed, 0.5 * (freed + freed.T))[1]
-    turn = signed(turn, np.ones(first))
+    turn = fix_signs(turn, np.ones(first))
     squared = ((structure[:, None] * turn) ** 2).sum(axis=0) + ((pressed @ turn) ** 2).sum(axis=0)
     n_rigid = _n_rigid(basis, air)
     squared[:n_rigid] = 0.0

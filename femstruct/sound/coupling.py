@@ -16,7 +16,7 @@ from acoustics.source import SurfaceShapes, side_by_side
 from femstruct.arrays import Floats
 from femstruct.errors import Finding, InputError
 from femstruct.modal.basis import ForceRow, Holder, Kind, ModalBasis, in_time
-from femstruct.modal.eigen import signed
+from femstruct.modal.eigen import fix_signs
 from femstruct.sound.placed import Placed
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -31,7 +31,7 @@ _LOADS: Final = 8
 _LIGHT: Final = 1e-6
 
 
-def stray_share(damping: Floats, omega: Floats, structure: Floats, true: Bools) -> float:
+def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bools) -> float:
     """Share of the structure's motion that damping between modes makes: rms over the resonances, under broad loads.
 
     damping [k, k] [rad/s]; omega [k]; structure [m, k] : motion of the structure in every mode; true [k] : has a
@@ -88,14 +88,14 @@ def in_new_modes(
         viscous=viscous,
         hysteretic=hysteretic,
         dashpots=dashpots,
-        outputs={key: turned_row(row, basis.omega, omega, own) for key, row in basis.outputs.items()},
+        outputs={key: transform_row(row, basis.omega, omega, own) for key, row in basis.outputs.items()},
         part_stiffness={key: own.T @ part @ own for key, part in basis.part_stiffness.items()},
         momentum=basis.momentum @ own,
         **of_air,
     )
 
 
-def left_over(before: Floats, mass: Floats, compression: Floats, after: Floats, x: Floats) -> Floats:
+def coupling_residual(before: Floats, mass: Floats, compression: Floats, after: Floats, x: Floats) -> Floats:
     """|K x - omega^2 M x| over the terms it is summed from, for every coordinate [n].
 
     before [k], after [n] [rad/s] : of the structure, of both. mass [m, m], compression [r, m] : of the air over
@@ -112,13 +112,13 @@ def left_over(before: Floats, mass: Floats, compression: Floats, after: Floats, 
     return share
 
 
-def padded(matrix: Floats, size: int) -> Floats:
+def pad_rows(matrix: Floats, size: int) -> Floats:
     padded = np.zeros((size, size))
     padded[: len(matrix), : len(matrix)] = matrix
     return padded
 
 
-def turned_row(row: ForceRow, before: Floats, after: Floats, own: Floats) -> ForceRow:
+def transform_row(row: ForceRow, before: Floats, after: Floats, own: Floats) -> ForceRow:
     """A force in the new modes; its structural damping acts in time as at their frequencies."""
     hysteretic = row.hysteretic @ own
     at_own = np.divide(row.hysteretic, before, out=np.zeros_like(before), where=before > 0)
@@ -260,10 +260,10 @@ def with_cavity(
     residual = completing(basis, own, n_rigid)
     order = np.argsort(residual, kind="stable")
     coupled, turn, own, residual = coupled[order], turn[:, order], own[:, order], residual[order]
-    viscous = turn.T @ (padded(viscous, len(turn)) + air.viscous) @ turn
-    hysteretic = turn.T @ (padded(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
+    viscous = turn.T @ (pad_rows(viscous, len(turn)) + air.viscous) @ turn
+    hysteretic = turn.T @ (pad_rows(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
     hysteretic[:n_rigid, :] = hysteretic[:, :n_rigid] = 0.0
-    stray = stray_share(in_time(viscous, hysteretic, coupled), coupled, own[basis.modes], ~residual)
+    stray = coupling_share(in_time(viscous, hysteretic, coupled), coupled, own[basis.modes], ~residual)
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
     kept = stray >= NEGLIGIBLE_DAMPING_COUPLING or leak is not None or bool(basis.volumes) or air.resisted
     kept = kept or bool(hidden.any())
@@ -278,7 +278,7 @@ def with_cavity(
         own,
         (viscous, hysteretic),
         coupled=kept,
-        residual_norm=left_over(omega, air.mass, air.compression, coupled, turn),
+        residual_norm=coupling_residual(omega, air.mass, air.compression, coupled, turn),
         complete_below_hz=min(basis.complete_below_hz / np.sqrt(1.0 + heavier), air.complete_below_hz),
         holders=_holders(basis, air, turn, own, name, leak is not None),
         volumes={key: row @ own for key, row in basis.volumes.items()}
@@ -286,8 +286,8 @@ def with_cavity(
     )
     first_hz = float(joined.frequency_hz[np.array(kinds) == "elastic"][:1].sum())
     advised = [Finding(one.code, one.message, one.values) for one in room.coupling_advice(first_hz)]
-    told = (what_it_did(basis, joined, own, air, (stray, kept), name), *cut(air, reach), *advised)
-    return replace(joined, findings=(*basis.findings, *told))
+    findings = (what_it_did(basis, joined, own, air, (stray, kept), name), *cut(air, reach), *advised)
+    return replace(joined, findings=(*basis.findings, *findings))
 
 
 def _reach(basis: ModalBasis, placed: Placed, up_to_hz: float | None) -> float:
@@ -344,7 +344,7 @@ def _coupled_modes(omega: Floats, air: CoupledAir, n_rigid: int, hidden: Bools) 
     seen = np.flatnonzero(~hidden)
     turn = np.zeros((whole, whole))
     moving: Floats = eigh(stiffness[np.ix_(seen, seen)], mass[np.ix_(seen, seen)])[1]
-    turn[seen, : len(seen)] = signed(moving, np.ones(len(seen)))
+    turn[seen, : len(seen)] = fix_signs(moving, np.ones(len(seen)))
     turn[np.flatnonzero(hidden), len(seen) + np.arange(int(hidden.sum()))] = 1.0
     squared = ((structure[:, None] * turn) ** 2).sum(axis=0) + ((air.compression @ turn) ** 2).sum(axis=0)
     squared[:n_rigid] = 0.0

@@ -13,7 +13,7 @@ import numpy as np
 
 from acoustics.arrays import Complexes
 from acoustics.fields.returned import KeptTransfer
-from acoustics.levels.bands import band_edges, decibel, decibels, shown, third_octave_bands
+from acoustics.levels.bands import band_edges, decibel, decibels, is_below, third_octave_bands
 from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_pressure import fast_length, transform_axis
@@ -105,7 +105,7 @@ def surface_shares(
 ) -> SurfaceShares | None:
     """What each surface of a closed room gives its air while all move as recorded; None where no band is complete.
 
-    motion : of all surfaces, and of a leak, of `leak_apart`. end_hz : where the motion ends; bands above it are left
+    motion : of all surfaces, and of a leak, of `separate_leak`. end_hz : where the motion ends; bands above it are left
     out. Energies are nan in a room without losses, which takes nothing up.
 
     Notes
@@ -118,7 +118,7 @@ def surface_shares(
         nominal: exact
         for nominal, exact in third_octave_bands(1.0 / first.dt, 10.0).items()
         if np.subtract(*band_edges(exact)[::-1]) >= LINES_A_BAND / (first.rates.shape[1] * first.dt)
-        and shown(exact, end_hz)
+        and is_below(exact, end_hz)
     }
     if not bands:
         return None
@@ -136,8 +136,8 @@ def surface_shares(
     energy[still & room.room.loses] = 0.0
     alone, together = np.full(energy.shape, nan), np.full(len(bands), nan)
     if receivers:
-        heard = [room.room.pressures([[one]], receivers, end_hz)[0] for one in motion]
-        spectra = [_spectra(one.p, first.dt, length, lines) for one in heard]
+        pressures = [room.room.pressures([[one]], receivers, end_hz)[0] for one in motion]
+        spectra = [_spectra(one.p, first.dt, length, lines) for one in pressures]
         squares = [(np.abs(one) ** 2).mean(axis=0)[None] for one in (*spectra, sum(spectra))]
         *each, whole = (decibels(2.0 * step * _by_band(one, lines, bands)[0] / REFERENCE_PA**2) for one in squares)
         alone, together = np.where(still[:, None], nan, np.array(each)), whole
@@ -153,7 +153,7 @@ def _still(motion: Motion) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     return np.asarray(peak <= STILL * peak.max())
 
 
-def leak_apart(motion: Motion, flow: Floats) -> Motion:
+def separate_leak(motion: Motion, flow: Floats) -> Motion:
     """Surfaces without the flow through a leak of their room, which is spread over all of them, and that flow.
 
     flow : velocity of it in every coordinate [k], per unit of its rate.
@@ -219,8 +219,8 @@ class PushTransfer:
         length, nf = len(self.weight), self.per_push.shape[2]
         weighted = moments[:, :, : self.nt] * self.weight[: self.nt]
         spectra = np.fft.rfft(weighted, length, axis=2)[:, :, :nf]
-        heard = np.einsum("xrf,crf->cxf", self.per_push, spectra)
-        found: Floats = np.fft.irfft(heard, length, axis=2)[:, :, : self.nt] / self.weight[: self.nt]
+        spectrum = np.einsum("xrf,crf->cxf", self.per_push, spectra)
+        found: Floats = np.fft.irfft(spectrum, length, axis=2)[:, :, : self.nt] / self.weight[: self.nt]
         return found
 
 

@@ -116,8 +116,8 @@ def placed(
             room.accept(wall, np.concatenate([moved, corners]), directions)
         except AcousticsError as error:
             do = error.do or (WITHIN if error.where == "surface.points" else "")
-            told = f"{where}.surfaces.{wall}" if error.where == "surface.points" and one is not surface else where
-            raise InputError(told, got=error.got, expected=error.expected, do=do) from error
+            path = f"{where}.surfaces.{wall}" if error.where == "surface.points" and one is not surface else where
+            raise InputError(path, got=error.got, expected=error.expected, do=do) from error
         points.append(moved)
         outlines.append(corners)
     _apart(where, own, points, outlines)

@@ -10,11 +10,18 @@ import numpy as np
 
 from acoustics.air import Air
 from acoustics.errors import Advice
-from acoustics.levels.sound_energy import SHARE_ALLOWED, SoundEnergy, at_rest, ended_energy, loudest, radiated_energy
+from acoustics.levels.sound_energy import (
+    SHARE_ALLOWED,
+    SoundEnergy,
+    bring_to_rest,
+    loudest,
+    radiated_energy,
+    truncate_energy,
+)
 from acoustics.open_air.power import Directivity, plane_wave_power, radiated_power, radiation_pattern
 from acoustics.open_air.rayleigh import POINTS_PER_WAVE, Baffle
 from acoustics.open_air.sphere import Sphere
-from acoustics.source import side_by_side, together
+from acoustics.source import combine_surfaces, side_by_side
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
@@ -101,20 +108,20 @@ def power_per_force(
     return answer, (*_coarse(weights, air, float(frequency_hz.max())), *_beyond(basis, float(frequency_hz.max())))
 
 
-def radiated_by(
+def radiated_sound(
     response: Response, room: Placed, pattern_hz: Sequence[float] = ()
 ) -> tuple[Radiated, tuple[Advice | Finding, ...]]:
     """What a surface radiates into a half space while a structure moves as simulated, and reasons to trust it less.
 
     room, pattern_hz : as of `power_per_force`.
     """
-    moving, air = together(surface_velocity(response, room)), room.room.air
+    moving, air = combine_surfaces(surface_velocity(response, room)), room.room.air
     whole = radiated_energy(moving, air)
-    energy = ended_energy(whole, response.basis.complete_below_hz)
+    energy = truncate_energy(whole, response.basis.complete_below_hz)
     end = response.ledger.end
     shown = np.array(pattern_hz or energy.loudest_hz(SHOWN))
     kernel = moving.dt * np.exp(-2j * np.pi * np.outer(moving.t, shown))
-    rates = np.asarray(at_rest(moving.rates) @ kernel, dtype=np.complex128)
+    rates = np.asarray(bring_to_rest(moving.rates) @ kernel, dtype=np.complex128)
     found = Radiated(
         energy,
         end.structure + end.lost_modes,
@@ -176,7 +183,7 @@ def _modes_missing(energy: SoundEnergy, basis: ModalBasis) -> tuple[Advice, ...]
     )
 
 
-def not_taken(energy_j: float, lost_j: float) -> tuple[Advice, ...]:
+def energy_advice(energy_j: float, lost_j: float) -> tuple[Advice, ...]:
     """Advice where the sound energy [J] of all surfaces, which is not taken from the structure, would be felt beside
     what it lost in its own damping [J]."""
     if energy_j <= LOSSES_ALLOWED * lost_j or not lost_j > 0:
@@ -200,7 +207,7 @@ def not_taken(energy_j: float, lost_j: float) -> tuple[Advice, ...]:
 MOVED: Final = 0.1  # radii by which a sphere may move while it is pushed: 1 dB, as the sound goes with its height
 
 
-def pushed_velocity(response: Response, name: str) -> Floats:
+def velocity_from_forces(response: Response, name: str) -> Floats:
     """What contacts, links and loads made of a body's velocity since the start [nt] [m/s], along its axis.
 
     Notes
@@ -226,7 +233,7 @@ def pushed_velocity(response: Response, name: str) -> Floats:
 
 def sphere_of(response: Response, name: str, radius: float, place: Floats, space: Baffle) -> Sphere:
     """A body as a sphere in a half space above or below a surface; place [3] of its centre from the space's origin."""
-    along = float(space.normal[2]) * pushed_velocity(response, name)
+    along = float(space.normal[2]) * velocity_from_forces(response, name)
     return Sphere(radius, place, along, 1.0 / response.clock.sampling)
 
 
@@ -238,16 +245,16 @@ def moved_advice(response: Response, name: str, radius: float) -> tuple[Advice, 
         if name in (contact.upper, contact.lower):
             pushed |= response.contacts[contact.name].force != 0.0
     there = response.bodies[name].displacement[pushed]
-    way = float(np.abs(there - there[:1]).max(initial=0.0))
-    if way <= MOVED * radius:
+    travel = float(np.abs(there - there[:1]).max(initial=0.0))
+    if travel <= MOVED * radius:
         return ()
     return (
         Advice(
             "impactor-moves",
-            f"{name} moves by {1e3 * way:.3g} mm during contact, {way / radius:.2g} of its radius; {MOVED:g} is "
+            f"{name} moves by {1e3 * travel:.3g} mm during contact, {travel / radius:.2g} of its radius; {MOVED:g} is "
             "allowed. "
             "Its own sound is computed for a sphere at a fixed place: the error may be more than 1 dB",
-            {"moved_m": way, "radius_m": radius, "allowed": MOVED},
+            {"moved_m": travel, "radius_m": radius, "allowed": MOVED},
         ),
     )
 

@@ -16,7 +16,7 @@ from femstruct.declared import expect
 from femstruct.errors import Finding, InputError
 from femstruct.impact.response import Response
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.frf import amplitudes, modal_amplitudes, moves
+from femstruct.modal.frf import amplitudes, modal_amplitudes, moves_probe
 from femstruct.model.probe import Probe
 from femstruct.sound.placed import Placed
 
@@ -72,13 +72,13 @@ def surface_velocity(response: Response, room: Placed) -> Motion:
 def surface_velocities(responses: Sequence[Response], room: Placed) -> list[Motion]:
     """The same of several responses of one basis, in the modes that move any of the surfaces in any of them.
 
-    Of a response that moves none of them (`at_rest`) the rates are 0: what they have are rounding errors.
+    Of a response that moves none of them (`is_at_rest`) the rates are 0: what they have are rounding errors.
     """
     surfaces, moving = room.shapes(responses[0].basis), moving_modes(responses, room)
     found = []
     for response in responses:
         rates, dt = response.velocities(moving), 1.0 / response.clock.sampling
-        if at_rest(response, room):
+        if is_at_rest(response, room):
             rates = np.zeros_like(rates)
         found.append(
             tuple(SurfaceVelocity(one.points, one.weights, one.shapes[:, moving], rates, dt) for one in surfaces)
@@ -86,7 +86,7 @@ def surface_velocities(responses: Sequence[Response], room: Placed) -> list[Moti
     return found
 
 
-def at_rest(response: Response, room: Placed) -> bool:
+def is_at_rest(response: Response, room: Placed) -> bool:
     """Whether a response moves none of a room's surfaces, but for rounding: a part of the structure that nothing joins
     to what is struck.
 
@@ -218,7 +218,7 @@ def velocity_per_source(
     4.01
     """
     hz = np.asarray(frequency_hz, dtype=np.float64)
-    if not moves(basis, response):
+    if not moves_probe(basis, response):
         raise InputError("response", got="a direction without motion in any mode", expected="a direction with motion")
     loads, advice = room.room.loads(room.shapes(basis), source, hz)
     omega = 2.0 * np.pi * hz

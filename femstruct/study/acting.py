@@ -165,7 +165,7 @@ class Covering:
     """A covering below a tapping machine, as a laboratory measured it: reduction_db : {nominal centre [Hz]: Delta L
     [dB]}, on a heavy reference floor (ISO 10140-3), or on a light one (Delta L_t).
 
-    A study is refused whose floor is of the other kind (`covered_floor`), or whose rated bands it lacks.
+    A study is refused whose floor is of the other kind (`covering_findings`), or whose rated bands it lacks.
 
     >>> Covering({500.0: 21.0, 630.0: 24.5}).measured_on
     'heavy'

@@ -344,7 +344,7 @@ class Vibration:
         return unit if self.what == "harmonic" else per_hertz(unit)
 
     @property
-    def told(self) -> str:
+    def place_text(self) -> str:
         """Where it acts, in a word."""
         return f"base {self.on}" if self.kind == "base" else str(self.on)
 

@@ -234,7 +234,7 @@ class Swept:
             raise InputError("case", got=f"'{case}'", expected=f"one of {', '.join(self.cases)}")
         return self.numbers[self.cases.index(case), :, self.names.index(name)]
 
-    def told(self, name: str, case: str) -> Floats:
+    def of_or_nan(self, name: str, case: str) -> Floats:
         """A number of all samples [n] of a case; nan where there is none of this name at all."""
         return self.of(name, case) if name in self.names else np.full(len(self.texts), np.nan)
 
@@ -533,7 +533,7 @@ def held_limits(rows: Swept, names: Sequence[str]) -> Iterator[HeldLimit]:
     for name in names:
         for case in rows.cases:
             known = rows.trusted(case) & independent(rows)
-            verdicts, limits = (rows.told(each(name), case)[known] for each in (verdict_name, limit_name))
+            verdicts, limits = (rows.of_or_nan(each(name), case)[known] for each in (verdict_name, limit_name))
             if not np.isfinite(verdicts).any():
                 continue
             held, exceeded = (int((verdicts == one).sum()) for one in (MET, EXCEEDED))

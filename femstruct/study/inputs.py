@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 
 from femstruct.conventions import GRAVITY
 from femstruct.model.lay_ups import LayUp, materials_of
-from femstruct.model.materials import AnyMaterial, Given, given, of_material, of_section, plain
+from femstruct.model.materials import AnyMaterial, Given, comparable, given_fields, of_material, of_section
 from femstruct.model.sections import Section
 from femstruct.model.structure import HARD, SOFT, AirBetween, Joint, Structure, Support
 from femstruct.study.acting import PlacedBody, PlannedContact, PlannedLink, PlannedLoad
@@ -87,7 +87,9 @@ def inputs(study: Study) -> Inputs:
         groups["surfaces"] = [_item(one, "surface") for one in structure.surfaces]
         groups["cavities"] = [_cavity(one) for one in structure.cavities]
     else:
-        groups["structure"] = [Item("structure", _word(structure).removesuffix(" model"), given(structure, UNITS))]
+        groups["structure"] = [
+            Item("structure", _word(structure).removesuffix(" model"), given_fields(structure, UNITS))
+        ]
     groups["bodies"] = [_body(one) for one in study.bodies]
     groups["contacts"] = [_contact(one) for one in study.contacts]
     groups["links"] = [_link(one, study.bodies) for one in study.links]
@@ -133,7 +135,7 @@ def _word(noun: object) -> str:
 
 
 def _item(noun: Any, kind: str, without: tuple[str, ...] = ()) -> Item:
-    return Item(noun.name, kind, _flat(one for one in given(noun, UNITS) if one.what not in without))
+    return Item(noun.name, kind, _flat(one for one in given_fields(noun, UNITS) if one.what not in without))
 
 
 def _named_edge(item: Support) -> Support:
@@ -150,7 +152,7 @@ def _flat(found: Any) -> tuple[Given, ...]:
         if hasattr(one.value, "described"):
             flat += [Given(one.what, one.value.word or _word(one.value)), *one.value.described()]
         elif is_dataclass(one.value) and type(one.value).__str__ is object.__str__:
-            flat += given(one.value, UNITS)
+            flat += given_fields(one.value, UNITS)
         else:
             flat.append(one._replace(value=str(one.value)) if is_dataclass(one.value) else one)
     return tuple(flat)
@@ -184,13 +186,13 @@ def _joint(joint: Joint) -> Item:
 def _cavity(one: AirBetween) -> Item:
     """Its air, its fill and its bays."""
     nouns = [noun for noun in (one, one.fill, one.bays) if noun is not None]
-    found = [what for noun in nouns for what in given(noun, UNITS | CAVITY) if what.what not in ("fill", "bays")]
+    found = [what for noun in nouns for what in given_fields(noun, UNITS | CAVITY) if what.what not in ("fill", "bays")]
     return Item(one.name, "cavity with wool" if one.fill else "cavity", tuple(found))
 
 
 def _body(body: PlacedBody) -> Item:
     shown = {"mass", "side", "target", "speed", "dropped", "source"}
-    rest = _flat(one for one in given(body, UNITS) if one.what not in shown)
+    rest = _flat(one for one in given_fields(body, UNITS) if one.what not in shown)
     fall = [Given("drop height", body.speed**2 / (2.0 * GRAVITY), "m")] if body.dropped else []
     speed = [Given("speed", body.speed, "m/s")] if body.speed else []
     first = (Given("mass", body.mass, "kg"), Given(body.side, body.target), *fall, *speed)
@@ -205,7 +207,8 @@ def _contact(contact: PlannedContact) -> Item:
 def _load(load: PlannedLoad) -> Item:
     unit = "Pa" if load.kind == "surface" else "N"
     found = (
-        one._replace(unit=unit) if one.what in ("amplitude", "values") else one for one in _flat(given(load, UNITS))
+        one._replace(unit=unit) if one.what in ("amplitude", "values") else one
+        for one in _flat(given_fields(load, UNITS))
     )
     return Item(load.name, f"load on a {load.kind}", tuple(one for one in found if one.what != "kind"))
 
@@ -216,11 +219,11 @@ def _vibration(one: Vibration) -> Item:
     if one.kind == "base" and one.what == "psd":  # as shakers are spoken of
         unit, factor = "g^2/Hz", GRAVITY**-2
     points = {f"{frequency:g} Hz": factor * value for frequency, value in one.spectrum.points}
-    told = [Given("spectrum", points, unit)]
+    fields = [Given("spectrum", points, unit)]
     if len(points) > SPELT:
         lines, values = zip(*one.spectrum.points, strict=True)
-        told = [Given("spectrum", tuple(factor * value for value in values), unit), Given("at", lines, "Hz")]
-    return Item(one.name, f"{one.what} at {one.told}", (*told, *lasts))
+        fields = [Given("spectrum", tuple(factor * value for value in values), unit), Given("at", lines, "Hz")]
+    return Item(one.name, f"{one.what} at {one.place_text}", (*fields, *lasts))
 
 
 def _fatigue(one: FatigueRequest) -> Item:
@@ -255,10 +258,10 @@ def _link(link: PlannedLink, bodies: Sequence[PlacedBody]) -> Item:
 def _room(plan: RoomPlan) -> Item:
     room = plan.room
     t60 = {f"{frequency:g} Hz": seconds for frequency, seconds in plan.t60_asked.items()}
-    receivers = {one.name: plain(one.position) for one in plan.receivers}
+    receivers = {one.name: comparable(one.position) for one in plan.receivers}
     given_here = [Given(plan.on or "under", plan.under), *(Given(wall, name) for wall, name in plan.moved[1:])]
     given_here += [Given("reverberation time", t60, "s")] if t60 else []
-    given_here += [Given("coupling", plan.coupling), *([] if plan.leak is None else given(plan.leak, LEAK))]
+    given_here += [Given("coupling", plan.coupling), *([] if plan.leak is None else given_fields(plan.leak, LEAK))]
     given_here += [Given("rated by", plan.levels)] if plan.levels else []
     air = [Given("speed of sound", room.air.c, "m/s"), Given("density of air", room.air.rho, "kg/m^3")]
     described = room.described()
@@ -276,22 +279,23 @@ def _with_unit(name: str, value: object) -> Given:
     Given(what='largest cell', value=0.5, unit='m')
     """
     end = next((end for end in ENDS if name.endswith(end)), "")
-    return Given(name.removesuffix(end).replace("_", " "), plain(value), ENDS.get(end, ""))
+    return Given(name.removesuffix(end).replace("_", " "), comparable(value), ENDS.get(end, ""))
 
 
 def _analysis(study: Study) -> dict[str, tuple[Given, ...]]:
     """How it is computed: damping, modes, window, peaks, accuracy."""
     damping = study.damping
     base = [
-        one._replace(what=_word(damping.base)) if one.what == "value" else one for one in given(damping.base, UNITS)
+        one._replace(what=_word(damping.base)) if one.what == "value" else one
+        for one in given_fields(damping.base, UNITS)
     ]
     modes = (Given(f"mode {one.number}", one.ratio or (one.loss_factor or 0.0) / 2.0) for one in damping.modes)
     start = [Given(f"start {spot}", speed, "m/s") for spot, speed in study.initial.velocities]
     return {
         "damping": (*(base or [Given("loss factor", "of the materials")]), *modes),
-        "modes": given(study.extent, UNITS),
-        "start": (*start, *(given(study.initial.rigid, UNITS) if study.initial.rigid is not None else ())),
-        "window": () if study.time is None else given(study.time, UNITS),
-        "peaks": given(study.peaks, UNITS),
-        "accuracy": () if study.accuracy is None else given(study.accuracy, UNITS),
+        "modes": given_fields(study.extent, UNITS),
+        "start": (*start, *(given_fields(study.initial.rigid, UNITS) if study.initial.rigid is not None else ())),
+        "window": () if study.time is None else given_fields(study.time, UNITS),
+        "peaks": given_fields(study.peaks, UNITS),
+        "accuracy": () if study.accuracy is None else given_fields(study.accuracy, UNITS),
     }

@@ -442,9 +442,9 @@ class Front:
     def still_improving(self) -> bool:
         """Whether the runs ended while the front still got better: by more than 1 % of its hypervolume in the last
         fifth of the designs."""
-        told = self.convergence
-        before = [volume for count, volume in told if count <= LATE * self.designs]
-        return self.spent and bool(told) and (before[-1] if before else 0.0) < (1.0 - GAIN) * told[-1][1]
+        course = self.convergence
+        before = [volume for count, volume in course if count <= LATE * self.designs]
+        return self.spent and bool(course) and (before[-1] if before else 0.0) < (1.0 - GAIN) * course[-1][1]
 
     @property
     def flat(self) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.model.probe import Surface
 from femstruct.sound.placed import Placed, placed
 from femstruct.study.asked import RoomPlan
@@ -19,7 +19,7 @@ def placed_room(plan: RoomPlan, surfaces: Mapping[str, Surface]) -> Placed:
     for number, (wall, name) in enumerate(plan.moved):
         key = f"surfaces.{wall}" if number or plan.on else "under"
         if name not in surfaces:
-            raise InputError(f"rooms.{plan.name}.{key}", got=f"'{name}'", expected=some_of(surfaces) or "a surface")
+            raise InputError(f"rooms.{plan.name}.{key}", got=f"'{name}'", expected=list_some(surfaces) or "a surface")
         if number:
             others.setdefault(wall, []).append(surfaces[name])
     return placed(plan.room, surfaces[plan.under], plan.offset, plan.name, others, plan.on)

@@ -113,7 +113,7 @@ StructureModel = Structure | OscillatorModel | RodModel | BeamModel | ModesModel
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def as_many(structure: StructureModel, extent: Extent) -> StructureModel:
+def with_mode_count(structure: StructureModel, extent: Extent) -> StructureModel:
     """The structure with the modes that a study asks for, where it is given modes, a rod or a beam.
 
     It never gets more than it has. Of others the solver finds as many as are asked for; an oscillator has one.
@@ -121,7 +121,7 @@ def as_many(structure: StructureModel, extent: Extent) -> StructureModel:
     Raises InputError where no mode is left.
 
     >>> two = ModesModel((6.0, 280.0), (0.0, 0.01), {"bed": (0.14, 0.39)})
-    >>> as_many(two, Extent(up_to_hz=100.0))
+    >>> with_mode_count(two, Extent(up_to_hz=100.0))
     ModesModel(frequency_hz=(6.0,), ratio=(0.0,), points={'bed': (0.14,)}, at={})
     """
     match structure:

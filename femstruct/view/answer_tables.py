@@ -14,7 +14,7 @@ from femstruct.modal.steady import HarmonicAnswer, RandomAnswer, with_axis
 from femstruct.reported import OWN_UNIT, Reported, holdings, reported
 from femstruct.sound.flanking import SurfaceShares, summed_db
 from femstruct.study.results import CaseResult, StudyResult
-from femstruct.view.console import ZEROS, Grid, digits, doubted, rounded, scaled
+from femstruct.view.console import ZEROS, Grid, digits, doubt_note, rounded, scaled
 
 
 def stresses(result: StudyResult) -> Grid:
@@ -25,7 +25,7 @@ def stresses(result: StudyResult) -> Grid:
         for name, code in unquotable(case).items()
         if case.channels[name].stressed
     ]
-    title = "largest stresses of von Mises" + (f" ({doubted(unsure)})" if unsure else "")
+    title = "largest stresses of von Mises" + (f" ({doubt_note(unsure)})" if unsure else "")
     grid = Grid(title, ("", "case", "stress [MPa]", "where", "at [ms]"), keys=2)
     for case_name, case in result.cases.items():
         doubts = unquotable(case)
@@ -43,12 +43,12 @@ def evaluations(result: StudyResult) -> Iterator[Grid]:
     with a symbol."""
     found: dict[str, Grid] = {}
     for case_name, case in result.cases.items():
-        for key, told, answers in holdings(case):
+        for key, holding, answers in holdings(case):
             for name, one in answers.items() if key in case.evaluations else ():
                 kind: object = type(one)
                 shown = {field: about for field, about in reported(kind).items() if about.symbol}
                 columns = ("", "case", *(about.symbol for about in shown.values()))
-                grid = found.setdefault(key, Grid(told.long_name.lower(), columns, keys=2))
+                grid = found.setdefault(key, Grid(holding.long_name.lower(), columns, keys=2))
                 doubts = doubtful_answers(case, key, name)
                 cells = (
                     _cell(one, field, about) + (" ?" if about.symbol in doubts else "")
@@ -56,7 +56,7 @@ def evaluations(result: StudyResult) -> Iterator[Grid]:
                 )
                 grid.add(name, case_name, *cells)
                 if doubts:
-                    found[key] = replace(grid, title=f"{told.long_name.lower()} ({doubted([OF_EVALUATIONS])})")
+                    found[key] = replace(grid, title=f"{holding.long_name.lower()} ({doubt_note([OF_EVALUATIONS])})")
     yield from found.values()
 
 
@@ -226,9 +226,9 @@ def installed(result: StudyResult) -> Grid:
     grid = Grid(title, ("source", "", "case", *(f"{band:g} Hz" for band in bands), "A"), keys=3)
     for name, case, one in found:
         grid.add(name, "L_Ws", case, *(_decibel(one.power_db.get(band, nan)) for band in bands), "")
-        for receiver, heard in one.levels.items():
-            levels = (_decibel(heard.bands_db.get(band, nan)) for band in bands)
-            grid.add(name, receiver, case, *levels, _decibel(heard.l_aeq_db))
+        for receiver, levels_there in one.levels.items():
+            levels = (_decibel(levels_there.bands_db.get(band, nan)) for band in bands)
+            grid.add(name, receiver, case, *levels, _decibel(levels_there.l_aeq_db))
     return grid
 
 
@@ -338,7 +338,7 @@ def ratings(result: StudyResult) -> Grid:
                 room,
                 symbol,
                 name,
-                bounded(number),
+                bounded_text(number),
                 *(f"{number.beside[other]:g}" if other in number.beside else "" for other in besides),
                 change,
                 _number(one.drops_spread_db[symbol]) + ("" if alike else f" ({_counted(one.drops, OVER[0])})"),
@@ -364,10 +364,10 @@ def first_drop(result: StudyResult) -> str:
     if not count:
         return ""
     whole = "ratings are of all" if not any(result.verdicts.values()) else "ratings are of all, limits of the worst"
-    return f"the source strikes {count} places; {whole}, other results are of the first, {struck_first(result)}"
+    return f"the source strikes {count} places; {whole}, other results are of the first, {first_drop_place(result)}"
 
 
-def struck_first(result: StudyResult) -> str:
+def first_drop_place(result: StudyResult) -> str:
     """The place that histories and pictures are of, where a source strikes several; "" else."""
     return ", ".join(dict.fromkeys(next(iter(case.drops)) for case in result.cases.values() if case.drops))
 
@@ -393,10 +393,10 @@ def bands(result: StudyResult) -> Grid:
     return grid
 
 
-def told(number: SingleNumber) -> str:
+def rating_text(number: SingleNumber) -> str:
     """A single number as its standard states it, with what goes with it in brackets.
 
-    >>> told(SingleNumber(72.0, 71.6, 1000.0, {}, "", {"C_I": -11.0}))
+    >>> rating_text(SingleNumber(72.0, 71.6, 1000.0, {}, "", {"C_I": -11.0}))
     '72 dB (C_I -11)'
     """
     beside = ", ".join(f"{name} {value:g}" for name, value in number.beside.items())
@@ -408,12 +408,12 @@ def told(number: SingleNumber) -> str:
     return f"{least}{value} dB" + (f" ({beside})" if beside else "")
 
 
-def bounded(number: SingleNumber) -> str:
+def bounded_text(number: SingleNumber) -> str:
     """A single number without its unit, "at least" one some of whose bands are blank, "-" where all of them are.
 
-    >>> bounded(SingleNumber(51.0, 51.2, 80.0, {}, "", blank_hz=(250.0, 315.0)))
+    >>> bounded_text(SingleNumber(51.0, 51.2, 80.0, {}, "", blank_hz=(250.0, 315.0)))
     'at least 51'
-    >>> bounded(SingleNumber(55.0, 54.9, 315.0, {}, "", statistical_hz=(250.0, 315.0)))
+    >>> bounded_text(SingleNumber(55.0, 54.9, 315.0, {}, "", statistical_hz=(250.0, 315.0)))
     '55 (statistical from 250 Hz)'
     """
     if not isfinite(number.value_db):

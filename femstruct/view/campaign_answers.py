@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from femstruct.arrays import Floats
-from femstruct.errors import some_of
+from femstruct.errors import list_some
 from femstruct.files.campaign_tables import command_of, left_out, limited, run_command, spreads, unchanged
 from femstruct.language.campaigns import set_by_cases
 from femstruct.study.asked import SETTLED
@@ -56,7 +56,7 @@ def not_known_pieces(rows: Swept, names: Sequence[str], many: str) -> Iterator[s
     for name in not_known(rows, names):
         by_reason.setdefault(why_not_known(name, codes), []).append(name)
     for why, found in by_reason.items():
-        yield f"Not known in any of the {many}: {some_of(found, NAMED)}" + (f" ({why})" if why else "")
+        yield f"Not known in any of the {many}: {list_some(found, NAMED)}" + (f" ({why})" if why else "")
 
 
 def why_not_known(name: str, codes: Collection[str]) -> str:
@@ -85,7 +85,7 @@ def why_not_known(name: str, codes: Collection[str]) -> str:
 MOST_NAMED: Final = 6  # numbers that are named
 WIDE: Final = 0.3  # of the variance: an interval from which on more samples are asked for
 MOVING: Final = "not at rest"
-TOLD: Final = 3  # samples without numbers whose reason is printed
+REASONS_SHOWN: Final = 3  # samples without numbers whose reason is printed
 
 
 def swept_pieces(rows: Swept, names: Sequence[str] = ()) -> Iterator[Piece]:
@@ -152,10 +152,10 @@ def _limits(rows: Swept, limits: Sequence[HeldLimit]) -> Grid:
         low, high = (digits(factor * each) for each in one.limits)
         limit = f"{high if low == high else f'{low} .. {high}'} {unit}".strip()
         between = f"{100.0 * one.low:.0f} .. {100.0 * one.high:.0f} %"
-        told = f"{100.0 * one.share:.0f} % ({between})" if np.isfinite(one.share) else between
+        share_text = f"{100.0 * one.share:.0f} % ({between})" if np.isfinite(one.share) else between
         count = (f"{one.unknown}",) if unknown else ()
         of_all = f"{one.held} of {one.count}"
-        grid.add(one.name, one.case, limit, of_all, f"{one.exceeded}", *count, *((told,) if share else ()))
+        grid.add(one.name, one.case, limit, of_all, f"{one.exceeded}", *count, *((share_text,) if share else ()))
     return grid
 
 
@@ -175,8 +175,8 @@ def _scatter(rows: Swept, names: Sequence[str]) -> Grid:
     for one in spreads(rows, names):
         factor, unit = _shown_number(rows, one.name)
         case = f"{one.case} less {one.above}" if one.above else one.case
-        told = (one.mean, one.deviation, *one.quantiles)
-        grid.add(one.name, case, unit, *(digits(factor * value) for value in told), f"{one.count}")
+        statistics = (one.mean, one.deviation, *one.quantiles)
+        grid.add(one.name, case, unit, *(digits(factor * value) for value in statistics), f"{one.count}")
     return grid
 
 
@@ -216,7 +216,7 @@ def left_out_pieces(rows: Swept, names: Sequence[str] = (), one: str = "sample")
     yield from not_known_pieces(rows, names, many)
     unknown = not_known(rows, names)
     if same := [name for name in unchanged(rows, names) if name not in unknown]:
-        yield f"The same in all {many}: {some_of(same, MOST_NAMED)}"
+        yield f"The same in all {many}: {list_some(same, MOST_NAMED)}"
     at_most = max((int(rows.trusted(case).sum()) for case in rows.cases), default=0)
     if rows.drawn and at_most < FEWEST:
         yield f"No statistics: {at_most} samples are to be trusted, and {FEWEST} or more are needed"
@@ -227,12 +227,12 @@ def left_out_pieces(rows: Swept, names: Sequence[str] = (), one: str = "sample")
     for code, count in limited(rows).items():
         yield f"Limits trust: {code} in {count} of {n} {many}; femstruct explain {code}"
     for code, count in left_out(rows).items():
-        told = f"Left out: {count} of {n} {many} with the finding {code}, which forbids trust"
-        yield f"{told}; femstruct explain {code}"
+        sentence = f"Left out: {count} of {n} {many} with the finding {code}, which forbids trust"
+        yield f"{sentence}; femstruct explain {code}"
     failed = [(i, why) for i, why in enumerate(rows.trouble) if why]
-    for i, why in failed[:TOLD]:
+    for i, why in failed[:REASONS_SHOWN]:
         yield f"No result for {one} {i} ({_at(rows, i)}): {why}"
-    if len(failed) > TOLD:
+    if len(failed) > REASONS_SHOWN:
         yield f"No result for {len(failed)} of {n} {many} in all; the table has the reasons"
     if missing := int((~rows.done).sum()):
         yield f"Interrupted: {missing} of {n} {many} were not run. Run the command again to go on"
@@ -261,17 +261,17 @@ def _at(rows: Swept, i: int) -> str:
     named = last if len(set(last)) == len(last) else list(rows.paths)
     if len(rows.paths) == 1:
         named = [""]
-    return some_of([f"{name} {_varied_value(rows, i, j)}".strip() for j, name in enumerate(named)], 4)
+    return list_some([f"{name} {_varied_value(rows, i, j)}".strip() for j, name in enumerate(named)], 4)
 
 
 def _varied_value(rows: Swept, i: int, j: int) -> str:
-    return written(float(rows.values[i, j]), rows.units[j], rows.texts[i][j])
+    return value_text(float(rows.values[i, j]), rows.units[j], rows.texts[i][j])
 
 
-def written(value: float, unit: str, text: str) -> str:
+def value_text(value: float, unit: str, text: str) -> str:
     """A value in a unit that is easy to read; what is no number as a file writes it.
 
-    >>> written(0.0042, "m", ""), written(float("nan"), "", "steel"), written(0.25, "1", "")
+    >>> value_text(0.0042, "m", ""), value_text(float("nan"), "", "steel"), value_text(0.25, "1", "")
     ('4.2 mm', 'steel', '0.25')
     """
     if not np.isfinite(value):
@@ -307,7 +307,7 @@ def range_of(one: Listed | Scattered) -> str:
     """
     if isinstance(one, Listed):
         return f"one of {', '.join(one.texts)}"
-    first, second = (written(value, one.unit, "") for value in (one.first, one.second))
+    first, second = (value_text(value, one.unit, "") for value in (one.first, one.second))
     if one.law == "normal":
         return f"normal: mean {first}, deviation {second}"
     return f"{first} .. {second}" + (", on a logarithmic scale" if one.law == "log-uniform" else "")
@@ -333,8 +333,8 @@ def no_design(search: Search, rows: Swept, limited: Mapping[str, float], named: 
         elif value - limit > SAME * abs(limit):
             factor, unit = in_unit(rows.unit_of(name), abs(value - limit))
             words.append(f"'{name}' by {digits(factor * (value - limit))} {unit}".strip())
-    told = [f"the nearest{named} exceeds {' and '.join(words)}"] if words else []
-    return f"No design holds all limits: {'; '.join([*told, *unseen])}" + ("" if words else f" (the nearest{named})")
+    reasons = [f"the nearest{named} exceeds {' and '.join(words)}"] if words else []
+    return f"No design holds all limits: {'; '.join([*reasons, *unseen])}" + ("" if words else f" (the nearest{named})")
 
 
 def nothing_to_compare(search: Search, rows: Swept) -> Iterator[str]:
@@ -367,18 +367,18 @@ def without_number(search: Search, rows: Swept) -> Iterator[str]:
             why = f". The window is too short: the structure does not come to rest in it; {do}"
         elif name == SETTLED:
             why = f". The structure is {NOT_AT_REST} there, so that the limit is not shown to hold"
-        elif told := why_not_known(name, {code for case in rows.findings for own in case for code in own}):
-            why = f": {told}"
+        elif reason := why_not_known(name, {code for case in rows.findings for own in case for code in own}):
+            why = f": {reason}"
         yield f"'{name}' has no number in {count}{why}"
 
 
 def same_for_all(search: Search, name: str) -> str:
     """That a goal is no matter of choice."""
-    told = f"'{name}' is the same for all designs that were tried: it does not depend on what may be chosen"
+    sentence = f"'{name}' is the same for all designs that were tried: it does not depend on what may be chosen"
     if name != TOTAL_MASS:
-        return told
+        return sentence
     bodies = next((one.path for one in search.designs if one.path.startswith("bodies.")), "")
-    return f"{told}; it is the mass of the structure without bodies" + (
+    return f"{sentence}; it is the mass of the structure without bodies" + (
         f". The path '{bodies}' can be a goal" if bodies else ""
     )
 
@@ -400,7 +400,7 @@ def front_pieces(found: Front) -> Iterator[Piece]:
     yield from _first(found)
     yield f"{search.title}: {goals}{quantile}: {len(found.members)} designs on the front"
     yield _designs(found)
-    yield from _told(found)
+    yield from _front_sentences(found)
     ended = "all runs were made" if found.spent else "it ended since no new design came up"
     tried = f"{found.designs} designs, {found.runs} runs" + ("" if found.interrupted else f"; {ended}")
     yield f"{tried}. That no better front exists is not proven: another 'seed' gives another search"
@@ -437,7 +437,8 @@ def _designs(found: Front) -> Grid:
         values = [digits(factor * float(value)) for value, (factor, _) in pairs]
         row, texts = found.rows.values[k * search.samples], found.texts(k)
         chosen = [
-            written(float(row[j]), one.unit, texts[one.path]) + (f" ({found.at[k][j]} end)" if found.at[k][j] else "")
+            value_text(float(row[j]), one.unit, texts[one.path])
+            + (f" ({found.at[k][j]} end)" if found.at[k][j] else "")
             for j, one in enumerate(search.designs)
         ]
         grid.add(str(k), *values, *chosen, ", ".join(found.notes(k)))
@@ -455,7 +456,7 @@ def _shown(found: Front) -> tuple[list[int], str]:
     return shown, f"{some}designs of which none is better than another in all goals"
 
 
-def _told(found: Front) -> Iterator[str]:
+def _front_sentences(found: Front) -> Iterator[str]:
     """What the front says, and why it is not to be taken for the best."""
     if found.feasible:
         yield from without_number(found.search, found.rows)
@@ -478,9 +479,9 @@ def _told(found: Front) -> Iterator[str]:
 
 
 def _convergence(found: Front) -> str:
-    told = found.convergence
-    some = sorted({round(i) for i in np.linspace(0, len(told) - 1, min(len(told), 6))})
-    return some_of([f"{told[i][0]}: {100.0 * told[i][1]:.1f}" for i in some], 6)
+    course = found.convergence
+    some = sorted({round(i) for i in np.linspace(0, len(course) - 1, min(len(course), 6))})
+    return list_some([f"{course[i][0]}: {100.0 * course[i][1]:.1f}" for i in some], 6)
 
 
 def _largest(values: Floats) -> float:
@@ -554,12 +555,12 @@ def _best(found: Found) -> Iterator[Piece]:
     yield from reference_pieces(found, factor, unit)
     limits = Grid("its limits", ("number", "value", "limit", "", "stated under"))
     for name, limit in search.limits.items():
-        scale, told = in_unit(found.rows.unit_of(name), abs(limit))
+        scale, unit_shown = in_unit(found.rows.unit_of(name), abs(limit))
         own = found.limits[name]
-        shown = "not at rest in time" if np.isnan(own) else f"{digits(scale * own)} {told}"
+        shown = "not at rest in time" if np.isnan(own) else f"{digits(scale * own)} {unit_shown}"
         word = "not shown" if np.isnan(own) else "met" if own - limit <= SAME * abs(limit) else "exceeded"
         place = "limits (of the study)" if name in search.of_study else "optimise"
-        limits.add(name, shown, f"{digits(scale * limit)} {told}", word, place)
+        limits.add(name, shown, f"{digits(scale * limit)} {unit_shown}", word, place)
     yield limits
     for one in found.chosen:
         if one.at:
@@ -572,15 +573,17 @@ def _nearly(found: Found, j: int) -> str:
     near = np.flatnonzero(found.nearly) * s
     values = rows.values[near, j]
     if not len(near) or not np.isfinite(values).all():
-        return some_of(list(dict.fromkeys(rows.texts[i][j] for i in near)), MOST_VALUES)
+        return list_some(list(dict.fromkeys(rows.texts[i][j] for i in near)), MOST_VALUES)
     values, one = np.sort(values), found.search.designs[j]
     scale = np.log(values) if isinstance(one, Scattered) and one.law == "log-uniform" else values
     every = rows.values[:, j]
     whole = np.ptp(np.log(every)) if scale is not values else np.ptp(every)
     parts = np.split(values, np.flatnonzero(np.diff(scale) > VALLEYS * whole) + 1)
-    told = [[written(float(end), rows.units[j], "") for end in (part[0], part[-1])] for part in parts[:MOST_VALUES]]
+    ranges = [
+        [value_text(float(end), rows.units[j], "") for end in (part[0], part[-1])] for part in parts[:MOST_VALUES]
+    ]
     more = f" and {len(parts) - MOST_VALUES} more" if len(parts) > MOST_VALUES else ""
-    return ", ".join(low if low == high else f"{low} .. {high}" for low, high in told) + more
+    return ", ".join(low if low == high else f"{low} .. {high}" for low, high in ranges) + more
 
 
 def _how_near(found: Found) -> str:
@@ -613,13 +616,13 @@ def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:
         if one.why:
             grid.add(name, "", f"none: {one.why}", *([""] if search.over else []))
             continue
-        told = [digits(factor * one.goal), _less(found.goal - one.goal, one.goal, factor, unit, shared)]
+        cells = [digits(factor * one.goal), _less(found.goal - one.goal, one.goal, factor, unit, shared)]
         if search.over:
-            told[0] += f" ({digits(factor * one.ends[0])} .. {digits(factor * one.ends[1])})"
+            cells[0] += f" ({digits(factor * one.ends[0])} .. {digits(factor * one.ends[1])})"
             low, high = factor * one.less.min(), factor * one.less.max()
             mean = _less(float(one.less.mean()), one.mean, factor, unit, shared)
-            told.append(f"{mean} ({low:+.3g} .. {high:+.3g})")
-        grid.add(name, *told)
+            cells.append(f"{mean} ({low:+.3g} .. {high:+.3g})")
+        grid.add(name, *cells)
     yield grid
     for one in found.references:
         if not one.why and found.feasible:
@@ -628,8 +631,8 @@ def reference_pieces(found: Found, factor: float, unit: str) -> Iterator[Piece]:
 
 def _less(difference: float, of: float, factor: float, unit: str, shared: bool) -> str:
     """What the design is above a case; as a share of the same statistic of that case, too."""
-    told = f"{factor * difference:+.3g} {unit}".strip()
-    return told + (f", {100.0 * difference / abs(of):+.2g} %" if shared and of else "")
+    difference_text = f"{factor * difference:+.3g} {unit}".strip()
+    return difference_text + (f", {100.0 * difference / abs(of):+.2g} %" if shared and of else "")
 
 
 def _worth(found: Found, one: Reference) -> Iterator[str]:
@@ -659,7 +662,7 @@ def _doubts(found: Found) -> Iterator[str]:
 
 
 def _value(one: Chosen) -> str:
-    return written(one.number, one.unit, one.text)
+    return value_text(one.number, one.unit, one.text)
 
 
 def _change(one: Chosen, factor: float, unit: str) -> str:

@@ -150,15 +150,15 @@ def _curves(rows: Swept, names: Sequence[str], k: int) -> Figure:
     factor, unit = shown_unit(rows.units[k], rows.values[:, k])
     x = factor * rows.values[order, k]
     for number, (name, own) in enumerate(zip(names, axes, strict=True)):
-        scale, told = shown_unit(rows.unit_of(name), rows.numbers[:, :, rows.names.index(name)])
+        scale, shown = shown_unit(rows.unit_of(name), rows.numbers[:, :, rows.names.index(name)])
         for case, line in case_lines(rows.cases, rows.baseline).items():
             y, sound = scale * rows.of(name, case)[order], rows.trusted(case)[order]
             own.plot(x, np.where(sound, y, np.nan), marker=".", label=case, **line)
             _cross(own, x, y, sound, line["color"])
         _limit(own, rows, name, scale)
-        _level(own, told)
+        _level(own, shown)
         number_axis(own, x)
-        finish(own, named(rows.paths[k], unit) if number == len(names) - 1 else "", named(name, told))
+        finish(own, axis_label(rows.paths[k], unit) if number == len(names) - 1 else "", axis_label(name, shown))
     _limit_named(axes[0], rows, names)
     if len(rows.cases) > 1 or set(names) & set(rows.limits):
         legend_above(axes[0])
@@ -174,7 +174,7 @@ def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) 
     (xs, i), (ys, j) = (np.unique(rows.values[:, k], return_inverse=True) for k in numeric)
     scales = [shown_unit(rows.units[k], rows.values[:, k]) for k in numeric]
     for own, name in zip(grid, names, strict=False):
-        scale, told = shown_unit(rows.unit_of(name), rows.of(name, case))
+        scale, shown = shown_unit(rows.unit_of(name), rows.of(name, case))
         table = np.full((len(ys), len(xs)), np.nan)
         table[j, i] = np.where(rows.trusted(case), scale * rows.of(name, case), np.nan)
         x, y = (factor * one for (factor, _), one in zip(scales, (xs, ys), strict=True))
@@ -182,18 +182,18 @@ def _maps(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str) 
         bar = figure.colorbar(drawn, ax=own)
         bar.ax.tick_params(labelsize=8)
         blank = "" if np.isfinite(table).all() else " (white: no number)"
-        own.set_title(named(name, told) + blank, fontsize=10, loc="left")
+        own.set_title(axis_label(name, shown) + blank, fontsize=10, loc="left")
         limit = rows.limits.get(name)
         whole = np.isfinite(table).all() and min(table.shape) > 1
         if limit is not None and whole and table.min() < scale * limit < table.max():
             own.contour(x, y, table, levels=[scale * limit], colors="white", linewidths=1.2)
-            own.plot([], [], color="white", linewidth=1.2, label=f"limit {scale * limit:.4g} {told}".rstrip())
+            own.plot([], [], color="white", linewidth=1.2, label=f"limit {scale * limit:.4g} {shown}".rstrip())
             own.legend(fontsize=8, loc="upper right", facecolor="0.35", labelcolor="white", framealpha=0.8)
         number_axis(own, x)
         number_axis(own, y, vertical=True)
         _ticks_at(own.xaxis, x)
         _ticks_at(own.yaxis, y)
-        finish(own, *(named(rows.paths[k], scale[1]) for k, scale in zip(numeric, scales, strict=True)))
+        finish(own, *(axis_label(rows.paths[k], scale[1]) for k, scale in zip(numeric, scales, strict=True)))
     for own in grid[len(names) :]:
         own.set_visible(False)
     return figure
@@ -205,17 +205,17 @@ def _points(rows: Swept, names: Sequence[str], numeric: Sequence[int], case: str
     grid = panels(figure, len(names), len(numeric), between=0.35, top=0.75, sharex="col", sharey="row")
     sound = rows.trusted(case)
     for row, name in enumerate(names):
-        scale, told = shown_unit(rows.unit_of(name), rows.of(name, case))
+        scale, shown = shown_unit(rows.unit_of(name), rows.of(name, case))
         for column, k in enumerate(numeric):
             own, (factor, unit) = grid[row, column], shown_unit(rows.units[k], rows.values[:, k])
             x, y = factor * rows.values[:, k], scale * rows.of(name, case)
             own.plot(x[sound], y[sound], ".", color=BASELINE, markersize=4)
             _cross(own, x, y, sound, "#d55e00")
             _limit(own, rows, name, scale)
-            _level(own, told)
+            _level(own, shown)
             number_axis(own, x)
             last = row == len(names) - 1
-            finish(own, named(rows.paths[k], unit) if last else "", named(name, told) if column == 0 else "")
+            finish(own, axis_label(rows.paths[k], unit) if last else "", axis_label(name, shown) if column == 0 else "")
     _limit_named(grid[0, 0], rows, names)
     if set(names) & set(rows.limits):
         legend_above(grid[0, 0])
@@ -323,7 +323,7 @@ def shown_unit(unit: str, values: Floats) -> tuple[float, str]:
     return in_unit(unit, float(np.nanmax(np.abs(values), initial=0.0)))
 
 
-def named(name: str, unit: str) -> str:
+def axis_label(name: str, unit: str) -> str:
     """The label of an axis."""
     return f"{name} [{unit}]" if unit else name
 
@@ -344,8 +344,8 @@ def front_figure(found: Front) -> Figure:
     for own, (i, j) in zip(axes, pairs, strict=False):
         _pair(own, found, i, j)
     legend_above(axes[0])
-    told = np.array(found.convergence).reshape(-1, 2)
-    axes[-1].step(told[:, 0], 100.0 * told[:, 1], where="post", color=MEMBER, marker=".", markersize=4)
+    course = np.array(found.convergence).reshape(-1, 2)
+    axes[-1].step(course[:, 0], 100.0 * course[:, 1], where="post", color=MEMBER, marker=".", markersize=4)
     axes[-1].set_xlim(left=0.0)
     finish(axes[-1], "designs tried", "hypervolume\n[% of its box]")
     return figure
@@ -406,7 +406,7 @@ def optimum_figure(found: Found) -> Figure:
     count = 1 + len(search.designs)
     figure = new_figure(9.0, 3.9 + 2.7 * (count - 1 + len(over)), search.title)
     axes = panels(figure, count + len(over), 1, between=0.65, top=1.5)[:, 0]
-    label = named(found.goal_name, unit).replace(UNROUNDED, f"\n{UNROUNDED.strip()}")
+    label = axis_label(found.goal_name, unit).replace(UNROUNDED, f"\n{UNROUNDED.strip()}")
     tried = np.arange(1, len(found.goals) + 1, dtype=np.float64)
     _designs(axes[0], tried, found, factor)
     steps, value = np.array(found.history).T if found.history else np.empty((2, 0))
@@ -424,7 +424,7 @@ def optimum_figure(found: Found) -> Figure:
 def _over_path(axes: Axes, j: int, found: Found, factor: float) -> str:
     """All designs over one path, whose whole range is shown; returns the label of its axis."""
     rows, one = found.rows, found.search.designs[j]
-    values, told = rows.values[:: found.search.samples, j], ""
+    values, unit = rows.values[:: found.search.samples, j], ""
     if not np.isfinite(values).all():  # a list of words or of places
         assert isinstance(one, Listed)
         texts = [texts[j] for texts in rows.texts[:: found.search.samples]]
@@ -432,11 +432,11 @@ def _over_path(axes: Axes, j: int, found: Found, factor: float) -> str:
         axes.set_xticks(range(len(one.texts)), list(one.texts))
         axes.set_xlim(-0.5, len(one.texts) - 0.5)
         return rows.paths[j]
-    scale, told = shown_unit(rows.units[j], values)
+    scale, unit = shown_unit(rows.units[j], values)
     _designs(axes, scale * values, found, factor)
     if isinstance(one, Listed):
         number_axis(axes, scale * values)
-        return named(rows.paths[j], told)
+        return axis_label(rows.paths[j], unit)
     low, high = scale * one.first, scale * one.second
     if one.law == "log-uniform":
         logarithmic(axes, high / low)
@@ -445,7 +445,7 @@ def _over_path(axes: Axes, j: int, found: Found, factor: float) -> str:
     else:
         beside = 0.5 * MARGIN * (high - low)
         axes.set_xlim(low - beside, high + beside)
-    return named(rows.paths[j], told)
+    return axis_label(rows.paths[j], unit)
 
 
 def _over_scatter(axes: Axes, j: int, found: Found, factor: float) -> str:
@@ -454,7 +454,7 @@ def _over_scatter(axes: Axes, j: int, found: Found, factor: float) -> str:
     joined = "-" if len(found.search.over) == 1 else ""  # over one of several a line would join what is not beside it
     own = slice(found.best, found.best + s)
     x, y = rows.values[own, column], rows.of(found.goal_name)[own]
-    scale, told = shown_unit(rows.units[column], x)
+    scale, unit = shown_unit(rows.units[column], x)
     order = np.argsort(x)
     word = "best design" if found.feasible else "exceeds limits least"
     axes.plot(scale * x[order], factor * y[order], f"*{joined}", color=BEST, markersize=8, linewidth=1, label=word)
@@ -465,7 +465,7 @@ def _over_scatter(axes: Axes, j: int, found: Found, factor: float) -> str:
             mark = f".{dashes}" if joined else dot
             axes.plot(scale * x[order], beside, mark, color=BASELINE, linewidth=1, markersize=5, label=name)
     axes.legend(fontsize=8, frameon=False)
-    return named(rows.paths[column], told)
+    return axis_label(rows.paths[column], unit)
 
 
 def _designs(axes: Axes, x: Floats, found: Found, factor: float) -> None:
@@ -539,11 +539,11 @@ def swept_parallel(rows: Swept, names: Sequence[str], case: str = "") -> Figure 
     case = case or case_of_pictures(rows, names)
     several = [j for j in range(len(rows.paths)) if len({texts[j] for texts in rows.texts}) > 1]
     sound = rows.trusted(case)
-    told = [name for name in names if _spans(rows.of(name, case)[sound])][:MOST_NUMBERS]
-    if len(several) < FEWEST_PATHS or not told:
+    changing = [name for name in names if _spans(rows.of(name, case)[sound])][:MOST_NUMBERS]
+    if len(several) < FEWEST_PATHS or not changing:
         return None
-    axes = [_path(rows, j) for j in several] + [_number(rows, name, case) for name in told]
-    whole = sound & np.isfinite([rows.of(name, case) for name in told]).all(axis=0)
+    axes = [_path(rows, j) for j in several] + [_number(rows, name, case) for name in changing]
+    whole = sound & np.isfinite([rows.of(name, case) for name in changing]).all(axis=0)
     some = np.flatnonzero(whole)[:: -(-int(whole.sum()) // LINES) or 1]
     title = titled(rows, case) + (f" ({len(some)} of {whole.sum()} samples)" if len(some) < whole.sum() else "")
     shown = np.isin(np.arange(len(whole)), some)
@@ -560,13 +560,13 @@ def front_parallel(found: Front) -> Figure | None:
     paths = len(axes)
     for one, unit, values in zip(search.goals, found.units, found.goals.T, strict=True):
         factor, shown = shown_unit(unit, values)
-        axes.append(Along(named(one.name, shown), factor * values))
+        axes.append(Along(axis_label(one.name, shown), factor * values))
     goals = [one.name for one in search.goals]
     for (name, limit), values in zip(search.limits.items(), found.limited.T, strict=True):
         if name in goals:
             continue
         factor, shown = shown_unit(found.rows.unit_of(name), values[found.held])
-        axes.append(Along(named(name, shown), factor * values, limit=factor * limit))
+        axes.append(Along(axis_label(name, shown), factor * values, limit=factor * limit))
     member = np.isin(np.arange(found.designs), found.members)
     return _drawn(search.title, axes, paths, member, found.held & ~member)
 
@@ -582,7 +582,7 @@ def _path(rows: Swept, j: int, step: int = 1) -> Along:
     few = len(set(values.tolist())) <= LISTED
     if np.isfinite(values).all():
         factor, unit = shown_unit(rows.units[j], values)
-        return Along(named(rows.paths[j], unit), factor * values, listed=few)
+        return Along(axis_label(rows.paths[j], unit), factor * values, listed=few)
     texts = [one[j] for one in rows.texts[::step]]
     words = tuple(dict.fromkeys(texts))
     return Along(rows.paths[j], np.array([words.index(one) for one in texts], dtype=float), words)
@@ -591,7 +591,7 @@ def _path(rows: Swept, j: int, step: int = 1) -> Along:
 def _number(rows: Swept, name: str, case: str) -> Along:
     factor, unit = shown_unit(rows.unit_of(name), rows.of(name, case))
     limit = rows.limits.get(name)
-    return Along(named(name, unit), factor * rows.of(name, case), limit=None if limit is None else factor * limit)
+    return Along(axis_label(name, unit), factor * rows.of(name, case), limit=None if limit is None else factor * limit)
 
 
 def _drawn(title: str, axes: Sequence[Along], colour: int, strong: Flags, weak: Flags) -> Figure:

@@ -11,7 +11,7 @@ import numpy as np
 from femstruct.files.writing import replacing
 from femstruct.study.campaigns import Listed, Scattered, Swept
 from femstruct.study.optima import Found, Front
-from femstruct.view.campaign_answers import front_pieces, in_unit, optimum_pieces, range_of, swept_pieces, written
+from femstruct.view.campaign_answers import front_pieces, in_unit, optimum_pieces, range_of, swept_pieces, value_text
 from femstruct.view.console import Grid, Piece, digits
 from femstruct.view.page import STYLE, fold, picture, table
 
@@ -92,7 +92,7 @@ def _varied(rows: Swept) -> Grid:
         count = f"{len(texts)}"
         if np.isfinite(values).all():
             low, high = (int(where) for where in (values.argmin(), values.argmax()))
-            ends = [written(float(values[i]), rows.units[j], rows.texts[i][j]) for i in (low, high)]
+            ends = [value_text(float(values[i]), rows.units[j], rows.texts[i][j]) for i in (low, high)]
             grid.add(path, *ends, count)
         else:
             grid.add(path, ", ".join(texts), "", count)

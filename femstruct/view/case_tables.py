@@ -8,7 +8,7 @@ from itertools import product
 from math import isnan, nan
 from typing import Final
 
-from femstruct.errors import some_of
+from femstruct.errors import list_some
 from femstruct.files.study_tables import TERMS, array_tables, growth
 from femstruct.files.tables import unquotable
 from femstruct.impact.numerical_error import ErrorEstimate, Resolved
@@ -16,8 +16,8 @@ from femstruct.impact.response import EnergyLedger, Outcome, Response
 from femstruct.impact.shares import ModeEnergies, energy_shares
 from femstruct.study.asked import Companion, EnergyShare, GroundForce, Machine, Verdict
 from femstruct.study.results import AccuracyCheck, StudyResult
-from femstruct.units import readable
-from femstruct.view.console import Grid, digits, doubted, scaled
+from femstruct.units import readable_unit
+from femstruct.view.console import Grid, digits, doubt_note, scaled
 
 # ----------------------------------------------------------------------------------------------------------------------
 # The table of arrays of bodies a person reads in the terminal: each with its energy at the end, and their sum.
@@ -32,8 +32,8 @@ def arrays(result: StudyResult) -> Grid:
     ends = [row for tables in found.values() for table in tables.values() for row in table["end"].values()]
     joules = [scaled("J", max((abs(row[term]) for row in ends), default=0.0)) for term in TERMS]  # each column its own
     words = ("kinetic", "stored in its joints", "dissipated there")
-    told = (f"{word} [{unit}]" for word, (_, unit) in zip(words, joules, strict=True))
-    grid = Grid("arrays of bodies, at the end", ("", "case", "peak force [N]", *told), keys=2)
+    heads = (f"{word} [{unit}]" for word, (_, unit) in zip(words, joules, strict=True))
+    grid = Grid("arrays of bodies, at the end", ("", "case", "peak force [N]", *heads), keys=2)
     for case_name, tables in found.items():
         for array, table in tables.items():
             for name, row in table["end"].items():
@@ -73,14 +73,14 @@ def blows(result: StudyResult) -> Grid:
         keys=3,
     )
     for case_name, case in result.cases.items():
-        struck = case.response.blows if case.response is not None else ()
-        for body in dict.fromkeys(blow.body for blow in struck):
-            mine = [blow for blow in struck if blow.body == body]
+        recorded = case.response.blows if case.response is not None else ()
+        for body in dict.fromkeys(blow.body for blow in recorded):
+            mine = [blow for blow in recorded if blow.body == body]
             for blow in mine if len(mine) <= 2 * SHOWN_BLOWS else (*mine[:SHOWN_BLOWS], *mine[-SHOWN_BLOWS:]):
                 grown = growth((mine[0], blow))
                 change = f" ({100.0 * (grown - 1.0):+.1f} %)" if blow.number > 1 and grown is not None else ""
-                rest = "" if not blow.seen else f"not in {1e3 * blow.interval:.4g}"
-                rest = rest if blow.rest_after is None else f"{1e3 * blow.rest_after:.4g}"
+                at_rest = "" if not blow.seen else f"not in {1e3 * blow.interval:.4g}"
+                at_rest = at_rest if blow.rest_after is None else f"{1e3 * blow.rest_after:.4g}"
                 none = not case.basis.omega.size  # no structure that could take up energy, or come to rest
                 grid.add(
                     body,
@@ -90,7 +90,7 @@ def blows(result: StudyResult) -> Grid:
                     digits(blow.peak_force),
                     str(blow.closings),
                     "no structure" if none else f"{joule * blow.largest_energy:.4g}{change}",
-                    "" if none else rest,
+                    "" if none else at_rest,
                 )
     return grid
 
@@ -102,7 +102,7 @@ def blows(result: StudyResult) -> Grid:
 RESOLVED: Final = 1e-6  # share from which on an estimated error is of interest to whom measures to 1 %
 
 
-def anything_meets(result: StudyResult) -> bool:
+def has_contacts(result: StudyResult) -> bool:
     """Whether a study has contacts; in one without, as of a walker, there is no first impact."""
     return any(case.response.contacts for case in result.cases.values() if case.response is not None)
 
@@ -131,7 +131,9 @@ def _outcome(response: Response) -> str:
 
 def trust(result: StudyResult) -> list[str]:
     """All cases by name: first what came of an asked accuracy, then the error estimates."""
-    asked = [f"{name}: {accuracy(case.accuracy)}" for name, case in result.cases.items() if case.accuracy is not None]
+    accuracies = [
+        f"{name}: {accuracy(case.accuracy)}" for name, case in result.cases.items() if case.accuracy is not None
+    ]
     estimates = {
         name: case.errors for name, case in result.cases.items() if case.errors is not None and case.errors.peak
     }
@@ -139,11 +141,11 @@ def trust(result: StudyResult) -> list[str]:
     for one in estimates.values():
         if _largest([one]) < RESOLVED:
             alike.setdefault(_against(one), []).append(one)
-    told = {
+    sentences = {
         name: _all_small(one, alike[_against(one)]) if _largest([one]) < RESOLVED else errors(one)
         for name, one in estimates.items()
     }
-    return asked + _together(told, len(result.cases))
+    return accuracies + _together(sentences, len(result.cases))
 
 
 def _all_small(one: ErrorEstimate, alike: Sequence[ErrorEstimate]) -> str:
@@ -166,7 +168,7 @@ def _against(found: ErrorEstimate) -> str:
     return "" if found.exact else f"; against a run at a tolerance of {found.against:.0e}"
 
 
-def _together(told: Mapping[str, str], count: int) -> list[str]:
+def _together(sentences: Mapping[str, str], count: int) -> list[str]:
     """Sentences, each once, after the cases they hold for.
 
     >>> _together({"a": "It opened.", "b": "It opened.", "c": "It stuck."}, 3)
@@ -175,10 +177,11 @@ def _together(told: Mapping[str, str], count: int) -> list[str]:
     ['all cases: It opened.']
     """
     cases: dict[str, list[str]] = {}
-    for name, sentence in told.items():
+    for name, sentence in sentences.items():
         cases.setdefault(sentence, []).append(name)
     return [
-        f"{'all cases' if 1 < count == len(names) else some_of(names)}: {sentence}" for sentence, names in cases.items()
+        f"{'all cases' if 1 < count == len(names) else list_some(names)}: {sentence}"
+        for sentence, names in cases.items()
     ]
 
 
@@ -187,7 +190,7 @@ def accuracy(check: AccuracyCheck) -> str:
     if check.worst is None:
         return "accuracy: the basis contains all modes"
     name, worst = check.worst
-    factor, unit = readable(worst.unit, max(worst.smaller, worst.larger))
+    factor, unit = readable_unit(worst.unit, max(worst.smaller, worst.larger))
     return (
         f"accuracy: {name} {factor * worst.smaller:.4g} / {factor * worst.larger:.4g} {unit} with the modes up to "
         f"{check.smaller_hz:.5g} / {check.larger_hz:.5g} Hz, at most {100 * worst.share:.2g} % apart in "
@@ -303,8 +306,8 @@ def energy_destinations(result: StudyResult) -> Grid:
     }
     parted = any(first for first, _ in moments.values())  # nowhere: nothing meets, or what met stays together
     grid = Grid(f"where the energy went [% {'at the separation / ' if parted else ''}at the end]", ("", *moments))
-    told = [share for both in moments.values() for shares_then in both for share in shares_then.items()]
-    named = dict.fromkeys(what for what, share in told if share >= LEAST_SHARE_NAMED)
+    all_shares = [share for both in moments.values() for shares_then in both for share in shares_then.items()]
+    named = dict.fromkeys(what for what, share in all_shares if share >= LEAST_SHARE_NAMED)
     rows = dict.fromkeys(named, moments)
     rest = {name: [_unnamed(then, named) for then in both] for name, both in moments.items()}
     if any(share >= SEEN for both in rest.values() for then in both for share in then.values()):
@@ -346,7 +349,7 @@ def _share(share: float | None) -> str:
 
 SAGS, MODES = "sags [mm]", "modes of blocks [Hz], damping"
 MODES_SHOWN = 6  # a block on springs has six; more are in summary.json
-LEANS = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
+LEAST_TILT = 1e-6  # rad: a micrometre a metre is rounding, or nobody's concern
 
 
 def limits(result: StudyResult) -> Grid:
@@ -372,19 +375,19 @@ def _verdict(verdict: Verdict | None, with_limit: bool) -> str:
     of = f" of {_amount_in(verdict.limit, verdict.unit)}" if with_limit else ""
     of += f" at {verdict.at}" if verdict.at else ""
     if verdict.least:
-        told = "-" if verdict.value is None else f"at least {_amount_in(verdict.value, verdict.unit)}"
-        return f"{'not known' if verdict.met is None else 'exceeded'}\n{told}{of}"
+        value_text = "-" if verdict.value is None else f"at least {_amount_in(verdict.value, verdict.unit)}"
+        return f"{'not known' if verdict.met is None else 'exceeded'}\n{value_text}{of}"
     if verdict.value is None:
         seen = f"not in {verdict.seen:.4g} s{of}"
         return f"exceeded\n{seen}" if verdict.met is False else f"not seen\n{seen}"
     margin, mark = abs(verdict.limit - verdict.value), "" if verdict.converged else " ?"
     share = "" if verdict.unit == "dB" else f" ({100.0 * margin / verdict.limit:.3g} %)"  # of a level it means nothing
-    told = f"{_amount_in(verdict.value, verdict.unit)}{' (statistical bands)' if verdict.statistical else ''}{of}"
+    value_text = f"{_amount_in(verdict.value, verdict.unit)}{' (statistical bands)' if verdict.statistical else ''}{of}"
     if verdict.met is None:
-        return f"not seen\n{told}"
+        return f"not seen\n{value_text}"
     if verdict.met:
-        return f"met{mark}\n{told}, {_amount_in(margin, verdict.unit)}{share} left"
-    return f"exceeded by {_amount_in(margin, verdict.unit)}{share}{mark}\n{told}"
+        return f"met{mark}\n{value_text}, {_amount_in(margin, verdict.unit)}{share} left"
+    return f"exceeded by {_amount_in(margin, verdict.unit)}{share}{mark}\n{value_text}"
 
 
 def _amount_in(value: float, unit: str) -> str:
@@ -407,14 +410,14 @@ def machine(result: StudyResult) -> Grid:
     columns = _machine_columns(cases, travels)
     titles = [title for title, _ in columns]
     cells = {name: [tell(one) for _, tell in columns] for name, one in cases.items()}
-    told = _mark_doubtful(result, travels, titles.index(SAGS) - len(travels), cells)
+    note = _mark_doubtful(result, travels, titles.index(SAGS) - len(travels), cells)
     if any(result.verdicts.values()):
         titles.append("limits")
         for name, row in cells.items():
             row.append(_judged(result.verdicts.get(name, ())))
     _refer_to_baseline(result, [i for i, title in enumerate(titles) if title in (SAGS, MODES)], cells)
     kept = [i for i in range(len(titles)) if any(set(row[i]) - set("-\n 0.") for row in cells.values())]
-    title = f"machine (energies: when the first contact ends, and at the end{told})"
+    title = f"machine (energies: when the first contact ends, and at the end{note})"
     grid = Grid(title, ("", *(titles[i] for i in kept)))
     for name, row in cells.items():
         grid.add(name, *(row[i] for i in kept))
@@ -455,7 +458,7 @@ def _mark_doubtful(result: StudyResult, travels: Sequence[str], starts: int, cel
     doubts = {name: unquotable(result.cases[name]) for name in cells}
     for (name, row), (i, travel) in product(cells.items(), enumerate(travels, starts)):
         row[i] += " ?" if travel in doubts[name] else ""
-    return doubted([code for found in doubts.values() for name, code in found.items() if name in travels], "; ")
+    return doubt_note([code for found in doubts.values() for name, code in found.items() if name in travels], "; ")
 
 
 def _refer_to_baseline(result: StudyResult, columns: Sequence[int], cells: Mapping[str, list[str]]) -> None:
@@ -477,11 +480,11 @@ def _weighed(value: float | None, factor: float) -> str:
 
 def _judged(verdicts: Sequence[Verdict]) -> str:
     """The limits a case exceeds, a line each, and those that the window or the modes are too short for."""
-    told = [f"{one.name} exceeded{'' if one.converged else ' ?'}" for one in verdicts if one.met is False]
-    told += [
+    lines = [f"{one.name} exceeded{'' if one.converged else ' ?'}" for one in verdicts if one.met is False]
+    lines += [
         f"{verdict.name} not {'known' if verdict.least else 'seen'}" for verdict in verdicts if verdict.met is None
     ]
-    return "\n".join(told) or ("-" if not verdicts else "met" if all(one.converged for one in verdicts) else "met ?")
+    return "\n".join(lines) or ("-" if not verdicts else "met" if all(one.converged for one in verdicts) else "met ?")
 
 
 def _travel(channel: str, machine: Machine) -> str:
@@ -498,18 +501,18 @@ def _beside(ground: GroundForce) -> str:
 def _sags(machine: Machine) -> str:
     lines = []
     for sag in machine.sags:
-        leaning = f", leans {1e3 * sag.tilt:.2g} mm/m" if sag.tilt is not None and sag.tilt > LEANS else ""
+        leaning = f", leans {1e3 * sag.tilt:.2g} mm/m" if sag.tilt is not None and sag.tilt > LEAST_TILT else ""
         lines.append(f"{sag.part} {1e3 * sag.sag:.3g}{leaning}")
     return "\n".join(lines) or "-"
 
 
 def _modes(machine: Machine) -> str:
-    told = [
+    lines = [
         f"{mode.frequency_hz:.2f} ({max(mode.shares, key=mode.shares.__getitem__)})"
         + ("" if isnan(mode.ratio) else f" {100 * mode.ratio:.3g} %")
         for mode in machine.modes[:MODES_SHOWN]
     ]
-    return "\n".join(told) or "-"
+    return "\n".join(lines) or "-"
 
 
 def _rest(machine: Machine) -> str:
@@ -543,5 +546,5 @@ def _shares(machine: Machine, term: str) -> str:
 
 
 def _growth(machine: Machine) -> str:
-    told = [f"{body} {value:.4g}" for body, value in machine.growth.items() if value is not None]
-    return "\n".join(told) or "-"
+    lines = [f"{body} {value:.4g}" for body, value in machine.growth.items() if value is not None]
+    return "\n".join(lines) or "-"

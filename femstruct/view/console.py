@@ -14,7 +14,7 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from femstruct.errors import Finding
-from femstruct.findings.catalogue import place_of, rank_of
+from femstruct.findings.catalogue import rank_of, rank_order
 from femstruct.findings.entry import REMARK, Rank
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -177,10 +177,10 @@ def fitting(widths: Sequence[int], keys: int, most: int) -> Iterator[list[int]]:
 # Findings for a person: by rank, remarks only where they are asked for.
 # ----------------------------------------------------------------------------------------------------------------------
 
-Told = tuple[Finding, str]  # and what is said after it
+NotedFinding = tuple[Finding, str]  # and what is said after it
 
 
-def finding_lines(found: Sequence[Told], verbose: bool) -> list[tuple[Rank | None, str]]:
+def finding_lines(found: Sequence[NotedFinding], verbose: bool) -> list[tuple[Rank | None, str]]:
     """Lines with their ranks, what forbids trust first; without `verbose` remarks are counted, in a line of no rank.
 
     >>> found = [(Finding("two-way-coupling", "It has air"), " (case a)"), (Finding("twist-defect", "It twists"), "")]
@@ -191,7 +191,7 @@ def finding_lines(found: Sequence[Told], verbose: bool) -> list[tuple[Rank | Non
     """
     lines: list[tuple[Rank | None, str]] = []
     hidden = 0
-    for finding, after in sorted(found, key=lambda one: place_of(one[0])):
+    for finding, after in sorted(found, key=lambda one: rank_order(one[0])):
         rank = rank_of(finding.code, finding.severe)
         if rank is REMARK and not verbose:
             hidden += 1
@@ -202,19 +202,19 @@ def finding_lines(found: Sequence[Told], verbose: bool) -> list[tuple[Rank | Non
     return lines
 
 
-def doubted(codes: Iterable[str], before: str = "") -> str:
+def doubt_note(codes: Iterable[str], before: str = "") -> str:
     """What the mark "?" in a table means, of findings that forbid to quote its numbers; nothing without any.
 
-    >>> doubted(["stress-uneven", "peak-not-converged", "stress-uneven"], "; ")
+    >>> doubt_note(["stress-uneven", "peak-not-converged", "stress-uneven"], "; ")
     '; ? : do not quote, see stress-uneven and peak-not-converged'
-    >>> doubted([])
+    >>> doubt_note([])
     ''
     """
     named = " and ".join(dict.fromkeys(codes))
     return f"{before}? : do not quote, see {named}" if named else ""
 
 
-def show_findings(screen: Console, found: Sequence[Told], verbose: bool) -> None:
+def show_findings(screen: Console, found: Sequence[NotedFinding], verbose: bool) -> None:
     """Findings on a terminal, and how to learn more of them."""
     lines = finding_lines(found, verbose)
     if not lines:

@@ -139,10 +139,10 @@ def case_lines(names: Iterable[str], baseline: str) -> dict[str, dict[str, Any]]
     }
 
 
-def thinned(t: Floats, values: Floats, most: int = 1500) -> tuple[Floats, Floats]:
+def thin_history(t: Floats, values: Floats, most: int = 1500) -> tuple[Floats, Floats]:
     """A history with at most about 2 x `most` points that looks the same: least and largest of every stretch.
 
-    >>> t, y = thinned(np.arange(1e5), np.sin(np.arange(1e5)))
+    >>> t, y = thin_history(np.arange(1e5), np.sin(np.arange(1e5)))
     >>> len(t) < 3100, float(y.max()) > 0.9999
     (True, True)
     """
@@ -177,10 +177,10 @@ def legend_above(axes: Axes, *, up: float = 0.0) -> None:
     )  # fmt: skip
 
 
-def readable(unit: str) -> str:
+def unit_text(unit: str) -> str:
     """A unit as people write it.
 
-    >>> readable("m/(N s^2)")
+    >>> unit_text("m/(N s^2)")
     'm/(N s²)'
     """
     return unit.replace("^2", "²")

@@ -14,7 +14,7 @@ from femstruct.errors import InputError
 from femstruct.files.writing import refuse_unwritable_file
 from femstruct.study.asked import Beside
 from femstruct.view.console import scaled
-from femstruct.view.drawing import BASELINE, COLOURS, finish, legend_above, new_figure, panels, readable
+from femstruct.view.drawing import BASELINE, COLOURS, finish, legend_above, new_figure, panels, unit_text
 
 SUFFIXES = (".png", ".pdf", ".svg")
 MOST: Final = 6  # sets of data in one picture
@@ -41,7 +41,7 @@ def fit_figure(beside: Sequence[Beside], title: str, found: Sequence[str] = ()) 
     top = 0.75 + LINE * len(found)
     height = top + 0.5 + 2.7 * rows
     figure = new_figure(WIDTH, height, f"{title}: measured, and the best fit")
-    for i, line in enumerate(map(readable, found)):
+    for i, line in enumerate(map(unit_text, found)):
         figure.text(0.09 / WIDTH, 1.0 - (0.33 + LINE * i) / height, line, fontsize=9, ha="left", va="top", color="0.25")
     axes = iter(panels(figure, rows, 1, between=0.75, top=top)[:, 0])
     for one in shown:
@@ -68,7 +68,7 @@ def _response(one: Beside, axes: Sequence[Axes]) -> None:
     computed[1:][np.abs(np.diff(computed)) > 180.0] = np.nan  # no line across a turn
     _both(below, one.along, measured, computed)
     below.set_yticks([-180, -90, 0, 90, 180])
-    finish(above, "frequency [Hz]", f"|{one.name}|\n[{readable(one.unit)}]")
+    finish(above, "frequency [Hz]", f"|{one.name}|\n[{unit_text(one.unit)}]")
     finish(below, "frequency [Hz]", "phase [°]")
 
 

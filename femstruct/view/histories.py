@@ -13,12 +13,12 @@ from acoustics.levels.sound_levels import REFERENCE_PA, level_spectrum
 from femstruct.arrays import Floats
 from femstruct.files.tables import unquotable
 from femstruct.impact.response import BodyHistory, EnergyLedger, Response
-from femstruct.impact.shares import held_over_time
+from femstruct.impact.shares import energy_by_holder_over_time
 from femstruct.study.results import CaseResult, StudyResult
-from femstruct.view.case_tables import anything_meets, first_impact
-from femstruct.view.console import digits, doubted, scaled
-from femstruct.view.drawing import case_lines, finish, legend_above, mode_lines, new_figure, panels, thinned
-from femstruct.view.spectra import DYNAMIC_RANGE_DB, LOWEST_HZ, numbered, plain_ticks, shown_to
+from femstruct.view.case_tables import first_impact, has_contacts
+from femstruct.view.console import digits, doubt_note, scaled
+from femstruct.view.drawing import case_lines, finish, legend_above, mode_lines, new_figure, panels, thin_history
+from femstruct.view.spectra import DYNAMIC_RANGE_DB, LOWEST_HZ, numbered_modes, plain_ticks, spectrum_end_hz
 from femstruct.view.undrawn import no_energy, no_spectrum
 
 ZOOM_WITHOUT_RULE: Final = 0.05  # of the window, where no first-impact window is given
@@ -38,7 +38,7 @@ def history(result: StudyResult, channel: str) -> Figure:
     """A recorded channel of all cases; the legend gives the peaks |x|, in the first impact and in the whole window."""
     cases = {name: case for name, case in result.cases.items() if channel in case.channels}
     first = next(iter(cases.values())).channels[channel]
-    met = anything_meets(result)
+    met = has_contacts(result)
     factor, unit = scaled(first.unit, max(case.channels[channel].whole for case in cases.values()))
     impact = f"in the first impact{first_impact(result)}"
     doubts = {name: found[channel] for name, case in cases.items() if channel in (found := unquotable(case))}
@@ -53,7 +53,7 @@ def history(result: StudyResult, channel: str) -> Figure:
     filtered = next(iter(cases.values())).case.study.peaks.lowpass_hz is not None
     title = (
         f"{channel}   (peaks of |x|; {result.comparison.filter}{'; the curves are not filtered' if filtered else ''}"
-        f"{doubted(doubts.values(), '; ')})"
+        f"{doubt_note(doubts.values(), '; ')})"
     )
     return _figure(result, title, [(channel, first.unit, curves, legend)])
 
@@ -145,12 +145,12 @@ def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
     above = 0.12 + 0.155 * max(len(legend) for *_, legend in rows)  # inches a legend takes
     figure = new_figure(11.0, 0.8 + (2.8 + 0.55 + above) * len(rows) - 0.55, title)
     duration = max(float(response.t[-1]) for response in responses(result).values())
-    firsts = [_first_panel(unit, curves, zoomed(result, duration)) for _, unit, curves, _ in rows]
-    columns = 2 if any(apart(end - start, duration) for start, end in firsts) else 1
+    firsts = [_first_panel(unit, curves, first_impact_end(result, duration)) for _, unit, curves, _ in rows]
+    columns = 2 if any(differs_from_window(end - start, duration) for start, end in firsts) else 1
     ratios = (3, 2)[:columns]
     grid = panels(figure, len(rows), columns, between=0.55 + above, top=0.3 + above, width_ratios=ratios)
     for row, first, (label, unit, curves, legend) in zip(grid, firsts, rows, strict=True):
-        said = ""  # beside it the same label would only take room
+        last_label = ""  # beside it the same label would only take room
         in_all = max(float(np.abs(y).max()) for _, y in curves.values())
         for axes, (start, end) in zip(row, (first, (-MARGIN * duration, duration))[-columns:], strict=True):
             within = {name: (t >= start) & (t <= end) for name, (t, _) in curves.items()}
@@ -161,12 +161,12 @@ def _figure(result: StudyResult, title: str, rows: list[Row]) -> Figure:
                 factor, named = scaled(unit, largest)
             time, time_unit = scaled_time(end)
             for name, (t, y) in shown.items():
-                x, values = thinned(t, y)
+                x, values = thin_history(t, y)
                 axes.plot(time * x, factor * values, **drawn[name], linewidth=1.0, label=legend[name])
             axes.set_xlim(time * start, time * end)
             text = f"{label} in {named}"
-            finish(axes, f"time in {time_unit}", "" if text == said else text)
-            said = text
+            finish(axes, f"time in {time_unit}", "" if text == last_label else text)
+            last_label = text
         legend_above(row[0])
     return figure
 
@@ -194,9 +194,9 @@ def _times(case: CaseResult) -> Floats:
     return np.empty(0) if case.response is None else case.response.t
 
 
-def zoomed(result: StudyResult, duration: float) -> float:
+def first_impact_end(result: StudyResult, duration: float) -> float:
     """End of the panel of the first impact [s]; without an impact, of the beginning."""
-    window = next(iter(result.cases.values())).case.study.peaks.first_impact if anything_meets(result) else None
+    window = next(iter(result.cases.values())).case.study.peaks.first_impact if has_contacts(result) else None
     return min(duration, AROUND * window if window else ZOOM_WITHOUT_RULE * duration)
 
 
@@ -221,7 +221,7 @@ def _first_panel(unit: str, curves: Mapping[str, tuple[Floats, Floats]], window:
     return 0.0, min(window, float(times.min()) + length)
 
 
-def apart(zoom: float, duration: float) -> bool:
+def differs_from_window(zoom: float, duration: float) -> bool:
     """Whether a panel of the first impact [s] shows more than one of the whole window."""
     return zoom < NEARLY * duration
 
@@ -252,8 +252,10 @@ def energy(result: StudyResult) -> Figure | None:
     takers = _takers([response.ledger for response in runs.values()])
     above = 0.17 * ((len(beside) + len(takers) + 4) // 5)  # inches of further rows of the legend
     figure = new_figure(10.0, 1.25 + above + 2.3 * len(runs), "Energy over time")
-    zooms = {name: zoomed(result, float(response.t[-1])) for name, response in runs.items()}
-    columns = 2 if any(apart(zooms[name], float(response.t[-1])) for name, response in runs.items()) else 1
+    zooms = {name: first_impact_end(result, float(response.t[-1])) for name, response in runs.items()}
+    columns = (
+        2 if any(differs_from_window(zooms[name], float(response.t[-1])) for name, response in runs.items()) else 1
+    )
     grid = panels(figure, len(runs), columns, between=0.75, top=0.8 + above, sharey="row")
     for row, (name, response) in zip(grid, runs.items(), strict=True):
         ledger = response.ledger
@@ -305,7 +307,7 @@ def _stack(
     ledger, t = response.ledger, np.linspace(0.0, end, 500)
     bodies = np.sum(list(ledger.bodies.values()), axis=0) if ledger.bodies else np.zeros_like(ledger.t)
     structure, none = np.interp(t, ledger.t, ledger.structure), np.zeros_like(t)
-    held, taken = held_over_time(response, t), _losses(ledger)
+    held, taken = energy_by_holder_over_time(response, t), _losses(ledger)
     lost = {f"lost in {name}": np.interp(t, ledger.t, taken[name]) if name in taken else none for name in takers}
     rest = np.interp(t, ledger.t, ledger.dissipated) - np.sum(list(lost.values()), axis=0)
     layers = {
@@ -363,9 +365,9 @@ def spectrum(result: StudyResult, channel: str) -> Figure | None:
     }
     drawn = case_lines(result.cases, result.plan.baseline)
     basis = result.cases[result.plan.baseline].basis
-    modes = numbered(basis)
+    modes = numbered_modes(basis)
     clocks = [case.response.clock for case in cases.values() if case.response is not None]
-    top = min(shown_to(basis, clock.sampling) for clock in clocks)
+    top = min(spectrum_end_hz(basis, clock.sampling) for clock in clocks)
     figure = new_figure(11.0, 3.9 + 0.155 * len(cases), f"Spectrum of {channel}   (whole record, no filter)")
     ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + 0.155 * len(cases))
     peak, lowest, low, spacing = -np.inf, np.inf, LOWEST_HZ, 0.0
@@ -376,7 +378,7 @@ def spectrum(result: StudyResult, channel: str) -> Figure | None:
         spacing = float(frequency[1])
         low = max(min(LOWEST_HZ, 0.5 * min(modes.values(), default=LOWEST_HZ)), spacing)
         shown = (frequency >= low) & (frequency <= top) & (frequency < 0.5 * sampling)  # the last line is half a line
-        x, y = thinned(frequency[shown], level[shown], most=3000)
+        x, y = thin_history(frequency[shown], level[shown], most=3000)
         axes.semilogx(x, y, **drawn[name], linewidth=0.9, label=name)
         peak = max(peak, float(np.fmax.reduce(level[shown], initial=-np.inf)))
         lowest = min(lowest, float(np.fmin.reduce(level[shown], initial=np.inf)))

@@ -14,14 +14,14 @@ from femstruct.view.page import amount
 WHOLE: Final = 6  # entries of which every source is shown
 
 
-def show_library(entries: Sequence[LibraryEntry], asked: bool) -> None:
+def show_library(entries: Sequence[LibraryEntry], in_full: bool) -> None:
     """Print entries by family; of a few that were asked for, every value with its source."""
     screen = console()
-    if asked and len(entries) <= WHOLE:
+    if in_full and len(entries) <= WHOLE:
         for entry in entries:
             screen.print(f"{entry.name}: {entry.what}", style="bold", soft_wrap=True)
             for one in entry.facts:
-                screen.print(f"  {_told(one)}", soft_wrap=True)
+                screen.print(f"  {_fact_text(one)}", soft_wrap=True)
             screen.print(f"  in a model: {entry.use.value}", soft_wrap=True)
         return
     for family, some in groupby(entries, key=lambda entry: entry.family):
@@ -32,19 +32,19 @@ def show_library(entries: Sequence[LibraryEntry], asked: bool) -> None:
 def family_table(family: str, entries: Sequence[LibraryEntry]) -> Grid:
     """The entries of a family with what is known of each.
 
-    >>> from femstruct.model.library_entries import matching
-    >>> family_table("screeds", matching(["screed"])).rows[0]
+    >>> from femstruct.model.library_entries import matching_entries
+    >>> family_table("screeds", matching_entries(["screed"])).rows[0]
     ('screed sand-cement', '20.28 GPa', '0.2', '2000 kg/m³', '1 %')
     """
     keys = tuple(dict.fromkeys(one.key for entry in entries for one in entry.facts))
     grid = Grid(family, ("", *(_symbol(key) for key in keys)))
     for entry in entries:
-        found = {one.key: shown(one) for one in entry.facts}
+        found = {one.key: value_text(one) for one in entry.facts}
         grid.add(entry.name, *(found.get(key, "-") for key in keys))
     return grid
 
 
-def shown(one: Fact) -> str:
+def value_text(one: Fact) -> str:
     """A value with its unit, or the range where only that is known."""
     if one.value is not None:
         return _amount(one, one.value)
@@ -52,8 +52,8 @@ def shown(one: Fact) -> str:
     return f"{_amount(one, low)} to {_amount(one, high)}"
 
 
-def _told(one: Fact) -> str:
-    text = f"{_symbol(one.key)} {shown(one)}"
+def _fact_text(one: Fact) -> str:
+    text = f"{_symbol(one.key)} {value_text(one)}"
     if one.value is not None and one.between is not None:
         text += f" ({_amount(one, one.between[0])} to {_amount(one, one.between[1])})"
     return f"{text}{f', {one.note}' if one.note else ''}; {one.source}"

@@ -26,7 +26,7 @@ from femstruct.conventions import N_COMPONENTS
 from femstruct.errors import FemstructError, InputError
 from femstruct.files.writing import file_name, refuse_unwritable_file, replacing
 from femstruct.modal.basis import ModalBasis
-from femstruct.model.model import Model, Refined, refined
+from femstruct.model.model import Model, Refined, refine_model
 from femstruct.model.part import Tie
 from femstruct.sound.cavity_coupling import WOOL
 from femstruct.sound.placed import Placed
@@ -86,8 +86,8 @@ def _working_window() -> str | None:
     """The render window to ask VTK for, "" for its own choice; None when all of them crash."""
     chosen = os.environ.get(_WINDOW)
     headless = sys.platform.startswith("linux")
-    ways = (chosen,) if chosen else WAYS if headless else ("",)
-    return next((way for way in ways if _draws(way)), None)
+    backends = (chosen,) if chosen else WAYS if headless else ("",)
+    return next((backend for backend in backends if _draws(backend)), None)
 
 
 def _draws(window: str) -> bool:
@@ -107,55 +107,57 @@ R = TypeVar("R")
 FORKS: Final = sys.platform.startswith("linux")  # elsewhere a process of its own would have to be sent all results
 
 
-def drawn_beside(draw: Callable[[], R]) -> Callable[[], R]:
+def draw_in_process(draw: Callable[[], R]) -> Callable[[], R]:
     """Begin to draw in another process, where that is cheap; what is returned waits for it and tells its answer.
 
     A crash in one way of drawing is answered by the next way; after the last one NoOpenGL is raised. What `draw` raises
     is raised. Where processes are not forked, it is called here when its answer is asked for.
 
-    >>> drawn_beside(lambda: 6 * 7)()
+    >>> draw_in_process(lambda: 6 * 7)()
     42
     """
     if not FORKS:
         return draw
-    ways = [os.environ.get("VTK_DEFAULT_OPENGL_WINDOW", "")] if "VTK_DEFAULT_OPENGL_WINDOW" in os.environ else [*WAYS]
-    first = _begin(draw, ways[0])
+    backends = (
+        [os.environ.get("VTK_DEFAULT_OPENGL_WINDOW", "")] if "VTK_DEFAULT_OPENGL_WINDOW" in os.environ else [*WAYS]
+    )
+    first = _begin(draw, backends[0])
 
     def answer() -> R:
-        for number, way in enumerate(ways):
-            process, pipe = _begin(draw, way) if number else first
+        for number, backend in enumerate(backends):
+            process, pipe = _begin(draw, backend) if number else first
             try:
-                good, told = pipe.recv()
+                good, received = pipe.recv()
             except EOFError:
                 continue  # it crashed
             finally:
                 process.join()
             if not good:
-                raise told
-            found: R = told
+                raise received
+            found: R = received
             return found
         raise NoOpenGL(LEFT_OUT)
 
     return answer
 
 
-def _begin(draw: Callable[[], Any], way: str) -> tuple[Any, Connection]:
+def _begin(draw: Callable[[], Any], backend: str) -> tuple[Any, Connection]:
     context = get_context("fork")
     pipe, ours = context.Pipe(duplex=False)
-    process = context.Process(target=_draw, args=(draw, way, ours), daemon=True)
+    process = context.Process(target=_draw, args=(draw, backend, ours), daemon=True)
     process.start()
     ours.close()
     return process, pipe
 
 
-def _draw(draw: Callable[[], Any], way: str, pipe: Connection) -> None:
-    choose(way)
+def _draw(draw: Callable[[], Any], backend: str, pipe: Connection) -> None:
+    choose(backend)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # what VTK says before it crashes; failures go through the pipe
     try:
-        told: tuple[bool, Any] = True, draw()
+        answer: tuple[bool, Any] = True, draw()
     except Exception as failure:
-        told = False, failure
-    pipe.send(told)
+        answer = False, failure
+    pipe.send(answer)
     pipe.close()
     os._exit(0)  # what this process inherited is not its own to clean up
 
@@ -276,9 +278,9 @@ def add_labels(
             labels += _room(plotter, plan, placed_room(plan, model.surfaces), f"{plan.name}." if len(rooms) > 1 else "")
     box = tuple(plotter.bounds)
     low, high = np.reshape(box, (3, 2)).T
-    named = merged(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0))))
+    named = merge_labels(labels, 1e-6 * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0))))
     named = runs(named, low, high)
-    for before, label in zip(named, apart(named, low, high), strict=True):
+    for before, label in zip(named, separate_labels(named, low, high), strict=True):
         if (label.place != before.place).any():
             plotter.add_lines(np.stack([before.place, label.place]), color=label.colour, width=1)
         plotter.add_point_labels(
@@ -289,12 +291,12 @@ def add_labels(
     return [(words, colour) for colour, words in MEANING.items() if colour in marked], box
 
 
-def merged(labels: Sequence[Label], near: float) -> list[Label]:
+def merge_labels(labels: Sequence[Label], near: float) -> list[Label]:
     """One label a place: the names found within `near` [m] of each other together, in the colour of what says most
     of the place: what holds it rather than that it has a name.
 
     >>> at = np.zeros(3)
-    >>> found = merged([Label("left", at, POINT), Label("foot", at, SUPPORT)], near=1e-6)
+    >>> found = merge_labels([Label("left", at, POINT), Label("foot", at, SUPPORT)], near=1e-6)
     >>> [(label.name, label.colour == SUPPORT) for label in found]
     [('left, foot', True)]
     """
@@ -315,7 +317,7 @@ def merged(labels: Sequence[Label], near: float) -> list[Label]:
 def runs(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
     """Labels of the places of one list that follow each other and would cover each other as one, at the first of them.
 
-    low, high [3] : as of `apart`.
+    low, high [3] : as of `separate_labels`.
 
     >>> right = np.array([-1.0, 1.0, 0.0])  # in the view
     >>> feet = [Label(f"feet.{i}", at * right, POINT) for i, at in enumerate((0.0, 0.02, 0.04, 0.9), 1)]
@@ -352,13 +354,13 @@ def _letter(low: Floats, high: Floats) -> Floats:
     return size
 
 
-def apart(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
+def separate_labels(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
     """Labels that would cover an earlier one, moved up, or down where that is less, until they cover none.
 
     low, high [3] : the box of all that is drawn [m], whose height in the picture tells the size of a letter.
 
     >>> at = np.zeros(3)
-    >>> first, second = apart([Label("left", at, POINT), Label("foot", at, SUPPORT)], at - 1.0, at + 1.0)
+    >>> first, second = separate_labels([Label("left", at, POINT), Label("foot", at, SUPPORT)], at - 1.0, at + 1.0)
     >>> first.place.tolist(), bool(VIEW[1] @ second.place > 0.0), round(float(VIEW[0] @ second.place), 12)
     ([0.0, 0.0, 0.0], True, 0.0)
     """
@@ -406,12 +408,12 @@ def spokes(places: Floats, hubs: Integers, nodes: Integers) -> Floats:
     return np.asarray(ends[far].reshape(-1, 3))
 
 
-def thinned(places: Floats) -> Floats:
+def thin_marks(places: Floats) -> Floats:
     """Of places [m, 3] that are more than `MOST_MARKS` one in each cube, as large as it takes; else all of them.
 
     >>> along = np.linspace(0.0, 1.0, 51)
     >>> grid = np.stack(np.meshgrid(along, along, [0.0]), axis=-1).reshape(-1, 3)
-    >>> len(grid), 100 <= len(thinned(grid)) <= MOST_MARKS, len(thinned(grid[:400]))
+    >>> len(grid), 100 <= len(thin_marks(grid)) <= MOST_MARKS, len(thin_marks(grid[:400]))
     (2601, True, 400)
     """
     low, side = places.min(axis=0), float(np.ptp(places, axis=0).max()) / MOST_MARKS
@@ -428,7 +430,7 @@ def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str) -> l
     places = [(name, where) for name, where in places if len(where)]
     if not places:
         return []
-    dots = np.concatenate([thinned(where) for _, where in places])
+    dots = np.concatenate([thin_marks(where) for _, where in places])
     plotter.add_points(dots, color=colour, point_size=SIZE, render_points_as_spheres=True)
     return [Label(name, where[(where @ np.array([1.0, 1.0, 1.0])).argmax()], colour) for name, where in places]
 
@@ -536,7 +538,7 @@ def picture_modes(model: Model, basis: ModalBasis, path: str | Path, title: str 
     require_opengl()
     import pyvista
 
-    fine = refined(model, DIVISIONS, ALONG)
+    fine = refine_model(model, DIVISIONS, ALONG)
     moved = fine.displacement(basis.shapes[:, :, modes])
     columns = min(4, len(modes))
     rows = -(-len(modes) // columns)
@@ -598,7 +600,7 @@ def picture_model(model: Model | None, rooms: Sequence[RoomPlan], path: str | Pa
     import pyvista
 
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=[1300, 950])
-    fine, legend = refined(model, 1), list[tuple[str, str]]()
+    fine, legend = refine_model(model, 1), list[tuple[str, str]]()
     for number, name in enumerate(fine.parts):
         own = fine.part_of_point == number
         mesh = _mesh(fine, fine.points, own)
@@ -733,7 +735,7 @@ def save_scene(
 
 def outline(model: Model, rooms: Sequence[RoomPlan]) -> Figure:
     """Edges of the parts, named points, rooms and receivers in isometric view; the sides of the box of all [m]."""
-    fine = refined(model, 1)
+    fine = refine_model(model, 1)
     figure = new_figure(8.0, 5.6, "")
     axes = panels(figure, 1, 1, between=0.0, top=0.2)[0, 0]
     low, high = fine.points.min(axis=0), fine.points.max(axis=0)
@@ -752,7 +754,7 @@ def outline(model: Model, rooms: Sequence[RoomPlan]) -> Figure:
             )
             axes.add_collection(lines)
             marks += [Label(item.name, room.from_room(item.position), ROOM) for item in plan.receivers]
-    for mark, named in zip(marks, apart(marks, low, high), strict=True):
+    for mark, named in zip(marks, separate_labels(marks, low, high), strict=True):
         axes.plot(*(VIEW @ mark.place), ".", color=mark.colour)
         text = {"textcoords": "offset points", "fontsize": 8, "color": mark.colour}
         axes.annotate(mark.name, tuple(VIEW @ named.place), (4, 3), **text)

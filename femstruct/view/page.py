@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
-from femstruct.errors import some_of
+from femstruct.errors import list_some
 from femstruct.files.tables import findings_by_case
 from femstruct.files.writing import replacing
 from femstruct.findings.entry import Rank
@@ -27,7 +27,7 @@ from femstruct.study.study import Case, Plan
 from femstruct.view.answer_tables import first_drop
 from femstruct.view.case_tables import outcomes, trust
 from femstruct.view.console import Grid, finding_lines, fitting
-from femstruct.view.terminal import asked_tables, notes, other_tables
+from femstruct.view.terminal import main_tables, notes, other_tables
 
 # ----------------------------------------------------------------------------------------------------------------------
 # The pictures of a study by kind: what each shows is told by the first words of its file's name.
@@ -83,10 +83,10 @@ def kind_of(name: str) -> Kind:
     return max(fitting, key=lambda kind: len(kind.begins), default=OTHER)
 
 
-def told(name: str) -> str:
+def picture_caption(name: str) -> str:
     """What a picture shows, for who cannot see it.
 
-    >>> told("frf_slab_centre.png"), told("energy.png")
+    >>> picture_caption("frf_slab_centre.png"), picture_caption("energy.png")
     ('Frequency response: slab_centre', 'Energy')
     """
     kind = kind_of(name)
@@ -157,7 +157,7 @@ def listed(lines: Iterable[str], kind: str = "") -> str:
 
 def picture(name: str, file: bytes) -> str:
     """A picture with what it shows, and the name of its file."""
-    image = f'<img src="{_inside(name, file)}" alt="{escape(told(name))}">'
+    image = f'<img src="{_inside(name, file)}" alt="{escape(picture_caption(name))}">'
     return f'<figure class="{kind_of(name).begins or "other"}">{image}<figcaption>{escape(name)}</figcaption></figure>'
 
 
@@ -306,8 +306,8 @@ def _number(values: Iterable[float], unit: str, between: str = "", frame: str = 
     largest = max(map(abs, numbers), default=0.0)
     scales = _PREFIXES.get(unit, ()) if frame == "{}" and largest else ()
     size, shown = next((scale for scale in scales if scale[1] and largest >= scale[0] * (1.0 - ROUNDING)), (1.0, unit))
-    told = frame.format(between.join(_digits(value / size) for value in numbers))
-    return f"{told} {superscript(shown)}".strip()
+    number_text = frame.format(between.join(_digits(value / size) for value in numbers))
+    return f"{number_text} {superscript(shown)}".strip()
 
 
 def _digits(value: float) -> str:
@@ -349,35 +349,35 @@ def baseline_inputs(plan: Plan) -> Inputs:
     return inputs(next(case.study for case in plan.cases if case.name == plan.baseline))
 
 
-def input_tables(asked: Inputs) -> tuple[Grid, ...]:
+def input_tables(inputs: Inputs) -> tuple[Grid, ...]:
     """The inputs that a reader asks for first: materials, structure, what acts on it, rooms, analysis."""
-    grids = [_materials(asked), *(_items(title, asked, groups) for title, groups in FRONT.items())]
+    grids = [_materials(inputs), *(_items(title, inputs, groups) for title, groups in FRONT.items())]
     return tuple(grid for grid in grids if grid.rows)
 
 
-def further_inputs(asked: Inputs) -> Grid:
+def further_inputs(inputs: Inputs) -> Grid:
     """All other inputs: sections, joints, points, surfaces, frequency responses."""
     shown = {"materials", *(group for groups in FRONT.values() for group in groups)}
-    return _items(FURTHER, asked, [group for group in asked.groups if group not in shown])
+    return _items(FURTHER, inputs, [group for group in inputs.groups if group not in shown])
 
 
-def _materials(asked: Inputs) -> Grid:
-    items = asked.groups.get("materials", ())
+def _materials(inputs: Inputs) -> Grid:
+    items = inputs.groups.get("materials", ())
     columns = list(dict.fromkeys(one.what for item in items for one in item.given))
-    damping = [one for item in asked.groups.get("analysis", ()) if item.name == "damping" for one in item.given]
+    damping = [one for item in inputs.groups.get("analysis", ()) if item.name == "damping" for one in item.given]
     unused = bool(damping) and not any(one == OF_MATERIALS for one in damping)
     shown = [f"{column}\n(not used)" if unused and column == LOSS else column for column in columns]
     grid = Grid("materials", ("", *shown))
     for item in items:
-        told = {one.what: amount(one) for one in item.given}
-        grid.add(item.name, *(told.get(column, "") for column in columns))
+        amounts = {one.what: amount(one) for one in item.given}
+        grid.add(item.name, *(amounts.get(column, "") for column in columns))
     return grid
 
 
-def _items(title: str, asked: Inputs, groups: Sequence[str]) -> Grid:
+def _items(title: str, inputs: Inputs, groups: Sequence[str]) -> Grid:
     grid = Grid(title, ("", "kind" if groups != ("analysis",) else "", "given"), keys=3)
     for group in groups:
-        for item in asked.groups.get(group, ()):
+        for item in inputs.groups.get(group, ()):
             grid.add(item.name, item.kind, ", ".join(map(spoken, item.given)))
     return grid
 
@@ -388,13 +388,13 @@ def cases_table(plan: Plan, finished: Sequence[str]) -> Grid:
     What a case changes in words that are no input, as a mesh file of its room, is told in the words of its file.
     """
     grid = Grid(f"cases (baseline: {plan.baseline})", ("case", "input", "baseline", "case has"), keys=4)
-    asked = baseline_inputs(plan)
+    of_baseline = baseline_inputs(plan)
     for case in plan.cases if len(plan.cases) > 1 else ():
         mark = "" if case.name in finished else ", not run"
         if case.name == plan.baseline:
             grid.add(case.name, f"the baseline{mark}", "", "")
             continue
-        rows = [row for one in differences(asked, inputs(case.study)) for row in _rows(one)] or _as_written(case)
+        rows = [row for one in differences(of_baseline, inputs(case.study)) for row in _rows(one)] or _as_written(case)
         for number, row in enumerate(rows):
             grid.add("" if number else f"{case.name}{mark}", *row)
     return grid
@@ -402,7 +402,7 @@ def cases_table(plan: Plan, finished: Sequence[str]) -> Grid:
 
 def _rows(found: Difference) -> Iterator[tuple[str, str, str]]:
     if not (found.before and found.after):
-        before, after = (", ".join(map(_told, side)) or "-" for side in (found.before, found.after))
+        before, after = (", ".join(map(_given_text, side)) or "-" for side in (found.before, found.after))
         yield f"{found.group}: {found.name}", before, after
         return
     first, second = ({one.what: amount(one) for one in side} for side in (found.before, found.after))
@@ -410,7 +410,7 @@ def _rows(found: Difference) -> Iterator[tuple[str, str, str]]:
         yield f"{found.name}: {what}", first.get(what, "-"), second.get(what, "-")
 
 
-def _told(one: Given) -> str:
+def _given_text(one: Given) -> str:
     return amount(one) if one.what == "kind" else spoken(one)
 
 
@@ -505,7 +505,7 @@ def _warning(result: StudyResult, forbids: list[str]) -> str:
     """Before anything is read: that the results must not be trusted."""
     if not forbids:
         return ""
-    codes = some_of(dict.fromkeys(line.partition(":")[0] for line in forbids))
+    codes = list_some(dict.fromkeys(line.partition(":")[0] for line in forbids))
     return f'<p class="severe">Do not trust these results: {escape(codes)}. The reasons are under “Trust”.</p>'
 
 
@@ -523,7 +523,7 @@ def _found(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
     """The results that were asked for: ratings, limits, levels, peaks, and how the cases ended; where none is asked
     for, natural frequencies and frequency responses."""
     about = [first_drop(result)] if first_drop(result) else []
-    tables = [table(grid) for grid in asked_tables(result)]
+    tables = [table(grid) for grid in main_tables(result)]
     if not any(tables):
         tables = [table(natural_frequencies(result))]
     shown = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins in _front(result)]
@@ -532,16 +532,16 @@ def _found(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
 
 def _front(result: StudyResult) -> tuple[str, ...]:
     """Kinds of pictures among the results."""
-    return (RATED,) if any(grid.rows for grid in asked_tables(result)) else (RATED, RESPONSE)
+    return (RATED,) if any(grid.rows for grid in main_tables(result)) else (RATED, RESPONSE)
 
 
 def _ranked(result: StudyResult) -> dict[Rank, list[str]]:
     """All findings as lines by rank, each with the cases it holds for."""
-    told = [
+    findings = [
         (finding, f" ({', '.join(cases)})" if 0 < len(cases) < len(result.cases) else "")
         for finding, cases in findings_by_case(result)
     ]
-    lines = finding_lines(told, verbose=True)
+    lines = finding_lines(findings, verbose=True)
     return {rank: [line.removeprefix(f"{rank.value}, ") for own, line in lines if own is rank] for rank in Rank}
 
 
@@ -561,8 +561,8 @@ def _trust(result: StudyResult, ranks: Mapping[Rank, list[str]]) -> list[str]:
 def _folds(result: StudyResult, pictures: Mapping[str, bytes], sounds: Mapping[str, bytes]) -> list[str]:
     """All else: further inputs, other tables, sounds, pictures by kind."""
     kinds = {kind: names for kind, names in by_kind(pictures).items() if kind.begins not in (MODEL, *_front(result))}
-    heard = [(name, case) for name, case in result.cases.items() if case.rooms]
-    order = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in heard)
+    with_rooms = [(name, case) for name, case in result.cases.items() if case.rooms]
+    order = ", ".join(f"{name}, {name} with the bodies' own sound" if c.heard.total else name for name, c in with_rooms)
     listen = [f"<p>All cases in turn, at one scale: {escape(order)}</p>"] if sounds else []
     grids = (natural_frequencies(result), *other_tables(result))
     return [

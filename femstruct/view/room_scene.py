@@ -22,8 +22,8 @@ from femstruct.study.asked import RoomPlan
 from femstruct.study.placed_rooms import placed_room
 from femstruct.study.recorded import LargestStress
 from femstruct.study.results import CaseResult, StudyResult
-from femstruct.view.model_scene import VIEW, Label, NoOpenGL, add_scales, apart, require_opengl, save_scene
-from femstruct.view.sound_figures import heard_peaks, line_level, lines_apart
+from femstruct.view.model_scene import VIEW, Label, NoOpenGL, add_scales, require_opengl, save_scene, separate_labels
+from femstruct.view.sound_figures import line_level, line_spacing, receiver_peaks
 from femstruct.view.undrawn import no_closed_room
 
 LEVELS: Final = (-0.75, -0.5, -0.25, 0.25, 0.5, 0.75)  # of the largest
@@ -52,15 +52,15 @@ def room_pictures(result: StudyResult, folder: str | Path) -> tuple[list[Path], 
         moving, grid = surface_velocity(case.response, placed_room(plan, model.surfaces)), room.grid()
         try:
             require_opengl()
-            peaks = dict(list(heard_peaks(result, plan.name).items())[:MOST])
+            peaks = dict(list(receiver_peaks(result, plan.name).items())[:MOST])
             if peaks:
                 paths.append(Path(folder) / file_name("pressure_surfaces", plan.name))
-                apart = lines_apart(case.rooms[plan.name])
+                apart = line_spacing(case.rooms[plan.name])
                 picture_surfaces(moving, grid, plan, peaks, paths[-1], result.plan.baseline, apart)
-            for wanted in plan.animate:
-                word = "pulse" if wanted is None else f"{wanted:g} Hz"
+            for frequency in plan.animate:
+                word = "pulse" if frequency is None else f"{frequency:g} Hz"
                 paths.append((Path(folder) / file_name("animation", plan.name, word)).with_suffix(".gif"))
-                animate(moving, grid, plan, wanted, paths[-1], result.plan.baseline)
+                animate(moving, grid, plan, frequency, paths[-1], result.plan.baseline)
         except NoOpenGL as error:
             return paths, str(error)
     return paths, ""
@@ -71,10 +71,10 @@ def no_room_pictures(result: StudyResult) -> str:
     plans = result.cases[result.plan.baseline].case.study.rooms
     missing = {plan.name: no_closed_room(result, plan.name) for plan in plans}
     closed = [plan for plan in plans if not missing[plan.name]]
-    if any(plan.animate or heard_peaks(result, plan.name) for plan in closed):
+    if any(plan.animate or receiver_peaks(result, plan.name) for plan in closed):
         return ""
     return next(
-        (told for told in missing.values() if told), "no peak stands out of the spectrum" if plans else "no room"
+        (reason for reason in missing.values() if reason), "no peak stands out of the spectrum" if plans else "no room"
     )
 
 
@@ -266,7 +266,7 @@ def stress_pictures(result: StudyResult, folder: str | Path) -> tuple[list[Path]
     """
     paths: list[Path] = []
     for name, case in result.cases.items():
-        stressed = {wanted.target: case.channels[str(wanted)].stressed for wanted in _recorded(case)}
+        stressed = {record.target: case.channels[str(record)].stressed for record in _recorded(case)}
         model = result.models.get(case.basis_key)
         if not stressed or model is None:
             continue
@@ -314,7 +314,7 @@ def picture_stresses(model: Model, stressed: dict[str, LargestStress], path: Pat
     box = tuple(plotter.bounds)
     low, high = np.reshape(box, (3, 2)).T
     above = BESIDE * float(np.linalg.norm(high - low)) * VIEW.sum(axis=0)  # to the right and up: the spot is to be seen
-    lifted = apart([Label(*each, "black") for each in zip(words, spots + above, strict=True)], low, high)
+    lifted = separate_labels([Label(*each, "black") for each in zip(words, spots + above, strict=True)], low, high)
     for spot, label in zip(spots, lifted, strict=True):
         plotter.add_lines(np.stack([spot, label.place]), color=SPOT, width=1)
     plotter.add_points(spots, color=SPOT, point_size=6)
@@ -336,7 +336,7 @@ def picture_stresses(model: Model, stressed: dict[str, LargestStress], path: Pat
 def _recorded(case: CaseResult) -> list[Any]:
     if case.response is None:
         return []
-    return [wanted for wanted in case.case.study.records if wanted.what == "stress"]
+    return [record for record in case.case.study.records if record.what == "stress"]
 
 
 def _at_nodes(nodes: Floats, stressed: LargestStress) -> Floats:

@@ -25,7 +25,7 @@ from femstruct.arrays import Floats
 from femstruct.sound.surfaces import surface_velocity
 from femstruct.study.placed_rooms import placed_room
 from femstruct.study.results import StudyResult
-from femstruct.view.answer_tables import struck_first, told
+from femstruct.view.answer_tables import first_drop_place, rating_text
 from femstruct.view.console import scaled
 from femstruct.view.drawing import (
     COLOURS,
@@ -37,9 +37,9 @@ from femstruct.view.drawing import (
     mode_lines,
     new_figure,
     panels,
-    thinned,
+    thin_history,
 )
-from femstruct.view.spectra import DYNAMIC_RANGE_DB, distinct, numbered, plain_ticks
+from femstruct.view.spectra import DYNAMIC_RANGE_DB, distinct, numbered_modes, plain_ticks
 from femstruct.view.undrawn import no_closed_room, no_levels, no_own_sound, no_rating, no_sound_energy
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -66,7 +66,7 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
     rows = -(-len(names) // 2)
     columns = min(2, len(names))
     legend = 0.155 * (len(cases) + sum(room in case.heard.total for case in cases.values()))  # inches
-    where = f", source at {place}" if (place := struck_first(result)) else ""
+    where = f", source at {place}" if (place := first_drop_place(result)) else ""
     figure = new_figure(11.0, 0.9 + rows * (2.3 + legend), f"Level over time in {room}: A-weighted, Fast{where}")
     grid = panels(figure, rows, columns, between=0.55 + legend, top=0.5 + legend, sharex=True, sharey=True)
     panes: list[Axes] = grid.ravel().tolist()
@@ -76,13 +76,17 @@ def levels_over_time(result: StudyResult, room: str) -> Figure | None:
             drawn: list[tuple[RoomResponse, str, dict[str, Any]]] = [(case.rooms[room], name, {"linewidth": 1.0})]
             if room in case.heard.total:
                 drawn.append((case.heard.total[room], f"{name} with the bodies' own sound", TOTAL))
-            for response, who, look in drawn:
+            for response, case_label, look in drawn:
                 for p, one in zip(response.p, response.receivers, strict=True):
                     if one.name == receiver:
                         level = level_history(p, response.dt)
-                        x, y = thinned(response.t, level)
+                        x, y = thin_history(response.t, level)
                         largest = float(np.fmax.reduce(level))
-                        label = f"{who}: largest {largest:.1f} dB" if np.isfinite(largest) else f"{who}: silent"
+                        label = (
+                            f"{case_label}: largest {largest:.1f} dB"
+                            if np.isfinite(largest)
+                            else f"{case_label}: silent"
+                        )
                         axes.plot(x, y, **(looks[name] | look), label=label)
                         loudest = max(loudest, largest) if np.isfinite(largest) else loudest
         finish(axes, "", f"{receiver}: L_AF in dB re 20 µPa")
@@ -120,8 +124,8 @@ def rated_bands(result: StudyResult, room: str) -> Figure | None:
     figure = new_figure(11.0, 4.6 + lines, title)
     ((axes,),) = panels(figure, 1, 1, between=0.5, top=0.55 + lines)
     width = 0.8 / len(shown)
-    heard = [level for one in shown.values() for level in one.bands_db.values() if np.isfinite(level)] or [0.0]
-    highest, lowest = max(heard), min(heard)
+    shown_levels = [level for one in shown.values() for level in one.bands_db.values() if np.isfinite(level)] or [0.0]
+    highest, lowest = max(shown_levels), min(shown_levels)
     floor = 10.0 * np.floor((max(lowest, highest - SHOWN_DB) - 3.0) / 10.0)
     for number, (name, one) in enumerate(shown.items()):
         x = np.arange(len(one.bands_hz), dtype=np.float64) + (number - (len(shown) - 1) / 2) * width
@@ -182,7 +186,7 @@ def _draw_curves(axes: Axes, baseline: RatedRoom) -> None:
 
 
 def _label(name: str, rated: RatedRoom) -> str:
-    numbers = ", ".join(f"{symbol} {told(one)}" for symbol, one in rated.curves.items())
+    numbers = ", ".join(f"{symbol} {rating_text(one)}" for symbol, one in rated.curves.items())
     return f"{name}: {numbers}" if numbers else name
 
 
@@ -206,7 +210,7 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     """
     if no_pressure_map(result, room):
         return None
-    case, frequencies = result.cases[result.plan.baseline], heard_peaks(result, room)
+    case, frequencies = result.cases[result.plan.baseline], receiver_peaks(result, room)
     plan = next(item for item in case.case.study.rooms if item.name == room)
     model = result.models[case.basis_key]
     assert model is not None and case.response is not None
@@ -214,15 +218,17 @@ def pressure_maps(result: StudyResult, room: str) -> Figure | None:
     height = float(plan.receivers[0].position[2])
     drawn = plan.room.pressure_map(moving, list(frequencies.values()), at=height)
     title = f"{result.plan.baseline}: pressure in {room} at z = {height:g} m"
-    return draw_map(drawn, list(frequencies), plan.receivers, title, lines_apart(case.rooms[room]))
+    return draw_map(drawn, list(frequencies), plan.receivers, title, line_spacing(case.rooms[room]))
 
 
 def no_pressure_map(result: StudyResult, room: str) -> str:
     """Why there is no map of a room, "" where there is one."""
-    return no_closed_room(result, room) or ("" if heard_peaks(result, room) else "no peak stands out of the spectrum")
+    return no_closed_room(result, room) or (
+        "" if receiver_peaks(result, room) else "no peak stands out of the spectrum"
+    )
 
 
-def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
+def receiver_peaks(result: StudyResult, room: str) -> dict[str, float]:
     """The loudest peaks of the baseline's sound at a room's first receiver: names and frequencies [Hz].
 
     Only those that stand out of what is beside them, and none above the modal basis or the room's own modes, where the
@@ -231,24 +237,24 @@ def heard_peaks(result: StudyResult, room: str) -> dict[str, float]:
     force.
     """
     case = result.cases[result.plan.baseline]
-    heard = case.rooms[room]
-    spectrum = np.abs(heard.spectrum[0])
+    response = case.rooms[room]
+    spectrum = np.abs(response.spectrum[0])
     level = 20.0 * np.log10(np.maximum(spectrum, SILENCE * spectrum.max(initial=0.0)) + np.finfo(float).tiny)
     tops, _ = scipy.signal.find_peaks(level, prominence=PROMINENT)
-    tops = tops[heard.frequency_hz[tops] <= min(case.basis.complete_below_hz, heard.complete_below_hz)]
+    tops = tops[response.frequency_hz[tops] <= min(case.basis.complete_below_hz, response.complete_below_hz)]
     chosen = np.sort(tops[np.argsort(-level[tops])[:MOST]])
     elastic = np.flatnonzero([kind == "elastic" for kind in case.basis.kind])
     named = {}
-    for frequency in heard.frequency_hz[chosen].tolist():
+    for frequency in response.frequency_hz[chosen].tolist():
         away = np.abs(case.basis.frequency_hz[elastic] / frequency - 1.0)
         near = int(elastic[away.argmin()]) + 1 if elastic.size and away.min() < NEAR else 0
         named[f"mode {near}, {frequency:.1f} Hz" if near else f"{frequency:.1f} Hz"] = frequency
     return named
 
 
-def lines_apart(heard: RoomResponse) -> float:
+def line_spacing(response: RoomResponse) -> float:
     """Distance of the lines of a record's spectrum [Hz]."""
-    return float(heard.frequency_hz[1])
+    return float(response.frequency_hz[1])
 
 
 def line_level(size: Floats, apart_hz: float) -> Floats:
@@ -333,7 +339,7 @@ def sound_energy(result: StudyResult, room: str) -> Figure | None:
         if any(isfinite(energy.bands_db.get(band, -np.inf)) for energy in cases.values())
     ]
     legend = 0.155 * len(cases)
-    where = f", source at {place}" if (place := struck_first(result)) else ""
+    where = f", source at {place}" if (place := first_drop_place(result)) else ""
     figure = new_figure(11.0, 6.8 + legend, f"Sound energy into {room}{where}")
     (above,), (below,) = panels(figure, 2, 1, between=0.75, top=0.55 + legend)
     known = {name: np.array([e.bands_db.get(band, -np.inf) for band in bands]) for name, e in cases.items()}
@@ -397,7 +403,7 @@ def sound_power(result: StudyResult, name: str) -> Figure:
     if isfinite(peak):
         above.set_ylim(max(least - 6, peak - DYNAMIC_RANGE_DB), peak + 6)
     below.axhline(1.0, color="0.6", linewidth=0.8)
-    modes = numbered(result.cases[result.plan.baseline].basis)
+    modes = numbered_modes(result.cases[result.plan.baseline].basis)
     mode_lines(above, modes, low, high)
     label = mode_lines(below, modes, low, high, numbers=False)
     finish(above, "", f"L_W in dB re 1 pW/{per}")
@@ -479,7 +485,13 @@ def _polar(pattern: Directivity, title: str, result: StudyResult) -> Figure:
         axes.grid(True, color="0.85", linewidth=0.6)
         for number, line in enumerate(lines):
             shown = np.maximum(level[line, circle], FLOOR_DB)
-            axes.plot(angle, shown, color=COLOURS[number % len(COLOURS)], linewidth=1.3, label=_told(pattern, line))
+            axes.plot(
+                angle,
+                shown,
+                color=COLOURS[number % len(COLOURS)],
+                linewidth=1.3,
+                label=_directivity_text(pattern, line),
+            )
         figure.text(
             0.255 + 0.49 * circle, 0.04, f"from the normal towards {side}", fontsize=9, ha="center", color="0.3"
         )
@@ -490,7 +502,7 @@ def _polar(pattern: Directivity, title: str, result: StudyResult) -> Figure:
     return figure
 
 
-def _told(pattern: Directivity, line: int) -> str:
+def _directivity_text(pattern: Directivity, line: int) -> str:
     circle, angle = pattern.loudest(line)
     where = "on the normal" if angle == 0.0 else f"at {angle:+.0f}° towards {pattern.sides[circle]}"
     return (
@@ -519,7 +531,7 @@ def own_sounds(result: StudyResult, room: str) -> Figure | None:
     case = result.cases[name]
     own, borne, total = case.heard.own[room], case.rooms[room], case.heard.total[room]
     rows = min(MOST_RECEIVERS, len(own.receivers))
-    where = f", source at {place}" if (place := struck_first(result)) else ""
+    where = f", source at {place}" if (place := first_drop_place(result)) else ""
     left = f" ({len(own.receivers) - rows} more in results.h5)" if len(own.receivers) > rows else ""
     figure = new_figure(11.0, 0.9 + 2.9 * rows, f"First sound in {room}, case {name}{where}{left}")
     grid = panels(figure, rows, 1, between=1.15, top=0.95)
@@ -536,7 +548,7 @@ def own_sounds(result: StudyResult, room: str) -> Figure | None:
             (total_p, "total", "#222222", "--"),
         )
         for p, label, colour, style in lines:
-            x, y = thinned(1e3 * own.t[shown], factor * p[shown])
+            x, y = thin_history(1e3 * own.t[shown], factor * p[shown])
             largest, one = scaled("Pa", float(np.abs(p).max()))
             peak = f"{label}: peak {largest * float(np.abs(p).max()):.3g} {one} in the record"
             axes.plot(x, y, color=colour, linestyle=style, linewidth=1.0, label=peak)

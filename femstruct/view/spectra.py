@@ -19,7 +19,7 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.steady import HarmonicAnswer, RandomAnswer, Vibrated, with_axis
 from femstruct.study.asked import per_hertz
 from femstruct.study.results import CaseResult, Frf, StudyResult
-from femstruct.view.answer_tables import struck_first
+from femstruct.view.answer_tables import first_drop_place
 from femstruct.view.console import digits, scaled
 from femstruct.view.drawing import (
     TOTAL,
@@ -30,8 +30,8 @@ from femstruct.view.drawing import (
     mode_lines,
     new_figure,
     panels,
-    readable,
-    thinned,
+    thin_history,
+    unit_text,
 )
 
 DYNAMIC_RANGE_DB: Final = 90.0
@@ -66,10 +66,10 @@ def frequency_response(result: StudyResult, name: str) -> Figure:
     above.set_xlim(low, high)
     below.set_ylim(-190, 190)
     below.set_yticks([-180, -90, 0, 90, 180])
-    modes = numbered(result.cases[result.plan.baseline].basis)
+    modes = numbered_modes(result.cases[result.plan.baseline].basis)
     mode_lines(above, modes, low, high)
     frequencies = mode_lines(below, modes, low, high, numbers=False)
-    finish(above, "", f"|{request.kind}|" + ("" if frf.unit == "1" else f" in {readable(frf.unit)}"))
+    finish(above, "", f"|{request.kind}|" + ("" if frf.unit == "1" else f" in {unit_text(frf.unit)}"))
     legend_above(above, up=12)
     finish(below, frequencies, "phase in degrees")
     plain_ticks(below)
@@ -83,31 +83,31 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     bodies' own sound a line is thicker and dashed.
     """
     drawn = case_lines(result.cases, result.plan.baseline)
-    heard = {name: found for name in result.cases if (found := _pressure(result, name, receiver)) is not None}
-    if not heard:
+    pressures = {name: found for name in result.cases if (found := _pressure(result, name, receiver)) is not None}
+    if not pressures:
         return None
     basis = result.cases[result.plan.baseline].basis
-    dt, first, _ = next(iter(heard.values()))
-    top = min(max(end for _, _, end in heard.values()), shown_to(basis, 1.0 / dt))
-    totals = {name: found for name in heard if (found := _pressure(result, name, receiver, total=True)) is not None}
-    legend = 0.155 * (len(heard) + len(totals))  # inches
-    where = f", source at {place}" if (place := struck_first(result)) else ""
+    dt, first, _ = next(iter(pressures.values()))
+    top = min(max(end for _, _, end in pressures.values()), spectrum_end_hz(basis, 1.0 / dt))
+    totals = {name: found for name in pressures if (found := _pressure(result, name, receiver, total=True)) is not None}
+    legend = 0.155 * (len(pressures) + len(totals))  # inches
+    where = f", source at {place}" if (place := first_drop_place(result)) else ""
     figure = new_figure(11.0, 6.8 + 2 * legend, f"Sound at {receiver}{where}")
     (above,), (below,) = panels(figure, 2, 1, between=0.75 + legend, top=0.55 + legend)
     peak = -np.inf
     for name, (step, p, end), look, after in (
-        *((name, found, {"linewidth": 0.9}, "") for name, found in heard.items()),
+        *((name, found, {"linewidth": 0.9}, "") for name, found in pressures.items()),
         *((name, found, TOTAL, WITH_OWN) for name, found in totals.items()),
     ):
         frequency, level = level_spectrum(p, step)
         shown = (frequency >= LOWEST_HZ) & (frequency <= min(top, end))
-        x, y = thinned(frequency[shown], level[shown], most=3000)
+        x, y = thin_history(frequency[shown], level[shown], most=3000)
         above.semilogx(x, y, **(drawn[name] | look), label=f"{name}{after}")
         peak = max(peak, float(np.fmax.reduce(level[shown], initial=-np.inf)))
     above.set_xlim(LOWEST_HZ, top)
     if np.isfinite(peak):
         above.set_ylim(peak - DYNAMIC_RANGE_DB, peak + 6)
-    label = mode_lines(above, numbered(basis), LOWEST_HZ, top)
+    label = mode_lines(above, numbered_modes(basis), LOWEST_HZ, top)
     resolution = 1.0 / (dt * len(first))
     finish(above, label, f"level of lines {resolution:.3g} Hz apart, dB re 20 µPa")
     legend_above(above, up=12)
@@ -116,7 +116,7 @@ def sound(result: StudyResult, receiver: str) -> Figure | None:
     return figure
 
 
-def _told(level: Levels) -> str:
+def _level_text(level: Levels) -> str:
     known = np.isfinite(level.l_peak_db)
     return f"L_peak {level.l_peak_db:.1f} dB, L_AFmax {level.l_afmax_db:.1f} dB" if known else "silent"
 
@@ -130,14 +130,14 @@ def _bands(axes: Axes, result: StudyResult, receiver: str) -> None:
     centres = [centre for centre in known[0] if any(np.isfinite(one.get(centre, np.nan)) for one in known)]
     width = 0.8 / len(levels)
     values = {name: np.array([one.bands_db.get(c, np.nan) for c in centres]) for name, one in levels.items()}
-    heard = [level for row in values.values() for level in row.tolist() if np.isfinite(level)] or [0.0]
-    highest = max(heard)
-    lowest = max(min(heard), highest - DYNAMIC_RANGE_DB)
+    shown_levels = [level for row in values.values() for level in row.tolist() if np.isfinite(level)] or [0.0]
+    highest = max(shown_levels)
+    lowest = max(min(shown_levels), highest - DYNAMIC_RANGE_DB)
     floor = 10.0 * np.floor((lowest - 3.0) / 10.0)
     for number, (name, row) in enumerate(values.items()):
         x = np.arange(len(centres)) + (number - (len(levels) - 1) / 2) * width
         level = levels[name]
-        label = f"{name}: {_told(level)}"
+        label = f"{name}: {_level_text(level)}"
         here = np.isfinite(row)
         axes.bar(x[here], row[here] - floor, width, bottom=floor, color=colours[name], label=label)
         total = result.cases[name].heard.total_levels.get(receiver)
@@ -145,7 +145,7 @@ def _bands(axes: Axes, result: StudyResult, receiver: str) -> None:
             row = np.array([total.bands_db[centre] for centre in centres])[here]
             x = x[here]
             highest = max(highest, float(np.fmax.reduce(row, initial=0.0)))
-            label = f"{name}{WITH_OWN}: {_told(total)}"
+            label = f"{name}{WITH_OWN}: {_level_text(total)}"
             axes.hlines(row, x - 0.5 * width, x + 0.5 * width, color=OVER_BARS, linewidth=2.0, label=label)
     axes.set_xticks(range(len(centres)), [f"{centre:g}" for centre in centres], fontsize=8)
     axes.set_xlim(-0.6, len(centres) - 0.4)
@@ -180,7 +180,7 @@ def distinct(responses: dict[str, Frf]) -> dict[tuple[str, ...], Frf]:
     return {tuple(names): frf for names, frf in groups}
 
 
-def shown_to(basis: ModalBasis, sampling: float) -> float:
+def spectrum_end_hz(basis: ModalBasis, sampling: float) -> float:
     """The highest frequency of a spectrum [Hz]: where the modal basis ends, half the sampling at most.
 
     An octave above the highest of modes that are given; of bodies alone there is nothing that is left out.
@@ -189,7 +189,7 @@ def shown_to(basis: ModalBasis, sampling: float) -> float:
     return min(basis.complete_below_hz or given or np.inf, 0.5 * sampling)
 
 
-def numbered(basis: ModalBasis) -> dict[int, float]:
+def numbered_modes(basis: ModalBasis) -> dict[int, float]:
     """Natural frequencies [Hz] of the elastic modes by their number, counted from 1."""
     return {
         number: float(frequency)
@@ -271,8 +271,8 @@ def vibration_answer(result: StudyResult, name: str) -> Figure:
     for case, answer in found.items():
         power = 1 if isinstance(answer, HarmonicAnswer) else 2
         values = factor**power * (np.abs(answer.values) if isinstance(answer, HarmonicAnswer) else answer.psd)
-        told = answer.largest if isinstance(answer, HarmonicAnswer) else answer.rms
-        label = f"{case}: {'largest' if power == 1 else 'rms'} {digits(factor * told)} {unit}"
+        level = answer.largest if isinstance(answer, HarmonicAnswer) else answer.rms
+        label = f"{case}: {'largest' if power == 1 else 'rms'} {digits(factor * level)} {unit}"
         axes.semilogx(answer.frequency_hz, values, **drawn[case], linewidth=1.1, label=label)
         peak = max(peak, float(values.max()))
     if peak > 0.0:  # what cannot move has no logarithm
@@ -280,10 +280,10 @@ def vibration_answer(result: StudyResult, name: str) -> Figure:
         _decades(axes, max(lowest, FAINT * peak), peak)
     low, high = float(first.frequency_hz[0]), float(first.frequency_hz[-1])
     axes.set_xlim(low, high)
-    modes = numbered(result.cases[result.plan.baseline].basis)
+    modes = numbered_modes(result.cases[result.plan.baseline].basis)
     label = mode_lines(axes, modes, low, high, of=" of the baseline" if len(result.cases) > 1 else "")
     shown = unit if harmonic else per_hertz(unit)
-    finish(axes, label, f"{'amplitude' if harmonic else 'power spectral density'} in {readable(shown)}")
+    finish(axes, label, f"{'amplitude' if harmonic else 'power spectral density'} in {unit_text(shown)}")
     _excitation(axes, excited)
     legend_above(axes, up=12)
     plain_ticks(axes)
@@ -304,7 +304,7 @@ def _excitation(axes: Axes, excited: Vibrated) -> None:
     look: dict[str, Any] = {"color": "0.6", "linewidth": 0.7, "linestyle": "--"}
     beside.semilogx(excited.frequency_hz, values, **look)
     _decades(beside, 0.3 * float(values.min()), 3.0 * float(values.max()))
-    beside.set_ylabel(f"excitation in {readable(unit)}", color="0.4")
+    beside.set_ylabel(f"excitation in {unit_text(unit)}", color="0.4")
     beside.tick_params(axis="y", which="both", colors="0.4")
     axes.plot([], [], **look, label="excitation, axis at the right")
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 from rich.console import Console
 
 from femstruct.assembly.matrices import GROUND
-from femstruct.errors import Finding, some_of
+from femstruct.errors import Finding, list_some
 from femstruct.files.tables import finding_from
 from femstruct.study.asked import Beside
 from femstruct.view.console import Grid, console, finding_lines, rounded, show_findings
@@ -27,7 +27,7 @@ SUM = " (sum of all)"
 NOISE = 1e-6  # of the largest displacement or rotation: less has no meaning beside it
 
 
-def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
+def show_statics(table: Mapping[str, Any], verbose: bool = False) -> None:
     """Displacements of points and parts, forces, largest stresses; verbose : remarks, too."""
     screen = console()
     screen.print(table["title"], style="bold")
@@ -45,8 +45,8 @@ def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
     parts = Grid("parts", ("", "largest displacement [mm]", "largest stress of von Mises [MPa]", "where"))
     for name, moved in table["parts_m"].items():
         stress = table["stresses"].get(name)
-        told = ("-", "") if stress is None else (f"{1e-6 * stress['largest_pa']:.4g}", stress["where"])
-        parts.add(name, _number(1e3 * moved), *told)
+        stress_cells = ("-", "") if stress is None else (f"{1e-6 * stress['largest_pa']:.4g}", stress["where"])
+        parts.add(name, _number(1e3 * moved), *stress_cells)
     parts.show(screen)
     largest = max((abs(one) for force in table["forces_n"].values() for one in force), default=0.0)
     for words, on_the_ground in ((ON_THE_GROUND, True), (BETWEEN, False)):
@@ -58,7 +58,7 @@ def show_rest(table: Mapping[str, Any], verbose: bool = False) -> None:
         forces.show(screen)
     if table["held_inside"]:
         x, y, z = (_number(one) for one in table["held_inside"]["force_n"])
-        names = some_of(table["held_inside"]["parts"])
+        names = list_some(table["held_inside"]["parts"])
         screen.print(f"held inside the matrices of {names}, which reaches no support: ({x}, {y}, {z}) N")
     show_findings(screen, [(finding_from(one), "") for one in table["findings"]], verbose)
 
@@ -98,8 +98,8 @@ def show_modes(table: Row, verbose: bool = False) -> None:
     grid.show(screen)
     if table["mass_kg"]:
         screen.print(f"mass {table['mass_kg']:.4g} kg")
-    if told := _completeness(table["complete_below_hz"], table["rigid_in_plane"]):
-        screen.print(told)
+    if sentence := _completeness(table["complete_below_hz"], table["rigid_in_plane"]):
+        screen.print(sentence)
         screen.print(f"sparse solver: {table['solver']}")
     show_findings(screen, _read(table["findings"]), verbose)
 
@@ -137,8 +137,8 @@ def _damped(ratio: float | None) -> str:
 
 def show_frf(table: Row, verbose: bool = False) -> None:
     """A frequency response as columns, findings before them as comments: what plots columns leaves comments out."""
-    for _, told in finding_lines(_read(table["findings"]), verbose):
-        print(f"# {told}")
+    for _, line in finding_lines(_read(table["findings"]), verbose):
+        print(f"# {line}")
     print(f"# {table['kind']} {table['response']} / {table['drive']}, {table['method']}, {table['unit']}")
     columns, head = [table["real"], table["imag"]], ["real", "imag"]
     if components := table.get("components"):
@@ -154,8 +154,8 @@ def show_frf(table: Row, verbose: bool = False) -> None:
 
 def show_frfs(table: Row, verbose: bool = False) -> None:
     """Frequency responses side by side as columns, what they are before them as comments."""
-    for _, told in finding_lines(_read(table["findings"]), verbose):
-        print(f"# {told}")
+    for _, line in finding_lines(_read(table["findings"]), verbose):
+        print(f"# {line}")
     head = ["frequency_hz"]
     for number, one in enumerate(table["responses"], 1):
         print(f"# {number}: {one['kind']} {one['response']} / {one['drive']}, {one['unit']}")
@@ -213,7 +213,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
     if table["masses_kg"]:
         _show_masses(screen, table)
     _show_what_holds(screen, table)
-    screen.print(_modes_told(table))
+    screen.print(_modes_text(table))
     for sentence in table["damping"] if table["first_frequencies_hz"] else ():
         screen.print(sentence)
     for name, position in table["points_m"].items():
@@ -227,7 +227,7 @@ def show_inspection(table: Row, picture: str = "", verbose: bool = False) -> Non
     for name, room in table["rooms"].items():
         _show_room(screen, name, room)
     if table["drops"]:
-        screen.print(f"the source strikes {some_of(table['drops'])}: one simulation for each")
+        screen.print(f"the source strikes {list_some(table['drops'])}: one simulation for each")
     show_findings(screen, _read(table["findings"]), verbose)
     if picture:
         screen.print(f"picture: {picture}")
@@ -248,9 +248,9 @@ def _show_masses(screen: Console, table: Row) -> None:
 def _show_what_holds(screen: Console, table: Row) -> None:
     """Hangers, joints and simple supports, and the degrees of freedom that they leave."""
     for name, one in table["hangers"].items():
-        screen.print(_hung_told(name, one))
+        screen.print(_hanger_text(name, one))
     for name, joint in table["joints"].items():
-        screen.print(_joint_told(name, joint))
+        screen.print(_joint_text(name, joint))
     if table["simple_supports"]:
         told = (f"{name} {one}" for name, one in table["simple_supports"].items())
         screen.print(f"simple supports of edges: {', '.join(told)}")
@@ -273,40 +273,40 @@ def _show_room(screen: Console, name: str, room: Row) -> None:
     if "side" in room:
         screen.print(f"{name}: open air {room['side']} the surface, in an infinite rigid baffle")
         return
-    screen.print(f"room {name}: {'; '.join(_room_told(room))}", soft_wrap=True)
+    screen.print(f"room {name}: {'; '.join(_room_parts(room))}", soft_wrap=True)
     if "largest_cell_m" in room:
         cells, most = f"{room['largest_cell_m']:.3g} m", f"{room['own_modes_up_to_hz']:.4g} Hz"
         screen.print(f"  cells of {cells} at most; room modes, with rigid walls, up to {most}")
 
 
-def _joint_told(name: str, joint: Row) -> str:
+def _joint_text(name: str, joint: Row) -> str:
     """Over how much of what touches a joint holds two parts together."""
     between = " and ".join(joint["between"])
     for key, unit in (("m2", "m^2"), ("m", "m")):
         if (whole := joint.get(f"touching_{key}")) is not None:
             size = joint[f"joined_{key}"]
-            rest = f" of the {whole:.4g} {unit} that touch" if whole - size > 1e-6 * whole else ", all that touches"
-            return f"joint {name}: {between} are joined over {size:.4g} {unit}{rest}"
+            of_all = f" of the {whole:.4g} {unit} that touch" if whole - size > 1e-6 * whole else ", all that touches"
+            return f"joint {name}: {between} are joined over {size:.4g} {unit}{of_all}"
     return f"joint {name}: {between} are joined at {_counted(joint['nodes'], 'node')}"
 
 
-def _room_told(room: Row) -> list[str]:
+def _room_parts(room: Row) -> list[str]:
     """What a person reads of a room first; of a kind that says other things of itself, those by their names."""
-    told = [f"{room['coupling']} coupling"] if "coupling" in room else []
+    parts = [f"{room['coupling']} coupling"] if "coupling" in room else []
     if "first_modes_hz" in room:
-        told.append(f"first modes {', '.join(f'{f:.1f}' for f in room['first_modes_hz'])} Hz")
+        parts.append(f"first modes {', '.join(f'{f:.1f}' for f in room['first_modes_hz'])} Hz")
     if "damping_ratio" in room:
         ratios = [f"{100 * ratio:.3g} % at {float(f):.4g} Hz" for f, ratio in room["damping_ratio"].items()]
-        told.append(f"damping {', '.join(ratios)}")
+        parts.append(f"damping {', '.join(ratios)}")
     if (t60 := room.get("reverberation_time_of_all_modes_s")) is not None:
-        told.append(f"reverberation time {t60:.4g} s of all modes")
-    return told or [f"{key} {value}" for key, value in room.items()]
+        parts.append(f"reverberation time {t60:.4g} s of all modes")
+    return parts or [f"{key} {value}" for key, value in room.items()]
 
 
 def _show_happening(screen: Console, table: Row) -> None:
     """Cases, bodies and window of a study."""
     baseline = f"; the following describes the baseline, {table['baseline']}" if len(table["cases"]) > 1 else ""
-    screen.print(f"{_counted(len(table['cases']), 'case')}: {some_of(table['cases'])}{baseline}", soft_wrap=True)
+    screen.print(f"{_counted(len(table['cases']), 'case')}: {list_some(table['cases'])}{baseline}", soft_wrap=True)
     for name, body in table["bodies"].items():
         speed = f", towards it at {body['speed_m_s']:.4g} m/s" if body["speed_m_s"] else ""
         screen.print(f"{name}: {body['mass_kg']:.4g} kg, {body['side']} {body['target']}{speed}")
@@ -316,10 +316,10 @@ def _show_happening(screen: Console, table: Row) -> None:
         screen.print(f"{command} {what}", soft_wrap=True)
 
 
-def _modes_told(table: Row) -> str:
+def _modes_text(table: Row) -> str:
     """How many rigid modes there are, and the first others.
 
-    >>> _modes_told({"rigid_body_modes": 1, "first_frequencies_hz": [0.0, 68.012, 220.4]})
+    >>> _modes_text({"rigid_body_modes": 1, "first_frequencies_hz": [0.0, 68.012, 220.4]})
     '1 rigid-body mode; first frequencies [Hz]: 68.01, 220.40'
     """
     rigid = table["rigid_body_modes"]
@@ -345,11 +345,11 @@ def _completeness(below_hz: float | None, rigid_in_plane: Sequence[str] = ()) ->
     """
     if below_hz is not None and not below_hz > 0.0:
         return ""
-    told = "all modes of this model are listed"
+    sentence = "all modes of this model are listed"
     if below_hz is not None:
-        told = f"no mode of this model is missing below {below_hz:.5g} Hz"
-    names = some_of(rigid_in_plane, 3)
-    return f"{told}; its plates ({names}) have none in their own planes" if names else told
+        sentence = f"no mode of this model is missing below {below_hz:.5g} Hz"
+    names = list_some(rigid_in_plane, 3)
+    return f"{sentence}; its plates ({names}) have none in their own planes" if names else sentence
 
 
 def _percentage(part: float, whole: float) -> str:
@@ -374,7 +374,7 @@ def _range(modes: Sequence[int]) -> str:
     return str(modes[0]) if len(modes) == 1 else f"{modes[0]} to {modes[-1]}"
 
 
-def _hung_told(name: str, one: dict[str, Any]) -> str:
+def _hanger_text(name: str, one: dict[str, Any]) -> str:
     """A line on hangers: how many, and the mean load of each beside the largest that is recommended."""
     load, most = one["mean_load_n"], one["largest_load_n"]
     pieces = "1 hanger" if one["count"] == 1 else f"{one['count']} hangers"
@@ -397,10 +397,10 @@ def show_identification(table: Mapping[str, Any], beside: Sequence[Beside] = (),
     """A row a parameter with its interval, measured beside computed numbers, what the fit leaves over, the values as
     changes of the input files, and findings."""
     screen = console()
-    told = f"'{table['channel']}'" if "channel" in table else ", ".join(one["name"] for one in table["data"])
+    data_text = f"'{table['channel']}'" if "channel" in table else ", ".join(one["name"] for one in table["data"])
     what = "samples" if "channel" in table else "numbers"
     grid = Grid(
-        f"found from {table['samples']} {what} of {told}",
+        f"found from {table['samples']} {what} of {data_text}",
         ("parameter", "value", f"{100 * table['confidence']:g} % interval", "+-", "unit"),
     )
     for name, one in table["parameters"].items():

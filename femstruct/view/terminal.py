@@ -10,7 +10,7 @@ from math import inf, isfinite, isnan, nan
 from rich.console import Console
 
 from acoustics.levels.sound_levels import Levels
-from femstruct.errors import some_of
+from femstruct.errors import list_some
 from femstruct.files.tables import doubtful_forces, findings_by_case, unquotable
 from femstruct.reported import reported
 from femstruct.study.recorded import DAMPED_FORCE, NET_FORCE, damped_forces
@@ -32,18 +32,18 @@ from femstruct.view.answer_tables import (
     stresses,
 )
 from femstruct.view.case_tables import (
-    anything_meets,
     arrays,
     blows,
     energies,
     energy_destinations,
     first_impact,
+    has_contacts,
     limits,
     machine,
     outcomes,
     trust,
 )
-from femstruct.view.console import ZEROS, Grid, console, digits, doubted, rounded, scaled, show_findings
+from femstruct.view.console import ZEROS, Grid, console, digits, doubt_note, rounded, scaled, show_findings
 
 SPOKEN_RECEIVERS = 2  # of a room
 SPOKEN_MODES = 12  # of a channel
@@ -61,8 +61,8 @@ def show_study(result: StudyResult, written: Mapping[str, float], folder: str = 
         screen.print(f"  {line}", soft_wrap=True)
     for line in (*outcomes(result), *trust(result), *notes(result)):
         screen.print(f"  {line}", soft_wrap=True)
-    if told := first_drop(result):
-        screen.print(f"  {told}", soft_wrap=True)
+    if sentence := first_drop(result):
+        screen.print(f"  {sentence}", soft_wrap=True)
     for table in study_tables(result):
         table.show(screen)
     show_findings(
@@ -89,10 +89,10 @@ def notes(result: StudyResult) -> list[str]:
 
 def study_tables(result: StudyResult) -> tuple[Grid, ...]:
     """All tables of a study in their order, the empty ones among them."""
-    return (*asked_tables(result), *other_tables(result))
+    return (*main_tables(result), *other_tables(result))
 
 
-def asked_tables(result: StudyResult) -> tuple[Grid, ...]:
+def main_tables(result: StudyResult) -> tuple[Grid, ...]:
     """What a study is run for: ratings, limits, what is asked of a machine, levels, peaks, vibration, fatigue."""
     return (
         ratings(result),
@@ -127,10 +127,10 @@ def other_tables(result: StudyResult) -> tuple[Grid, ...]:
 
 
 def _peaks(result: StudyResult) -> Grid:
-    told = f"first impact{first_impact(result)} / whole window" if anything_meets(result) else "whole window"
+    window = f"first impact{first_impact(result)} / whole window" if has_contacts(result) else "whole window"
     changed = any(not one.converged for beside in result.comparison.cases.values() for one in beside.peaks.values())
     codes = [code for case in result.cases.values() for code in unquotable(case).values()]
-    told_of = doubted([*codes, *(["change-not-converged"] if changed else [])], "; ")
+    told_of = doubt_note([*codes, *(["change-not-converged"] if changed else [])], "; ")
     tiny = any(
         rounded(one.whole, _largest(case, one.unit)) != one.whole
         for case in result.cases.values()
@@ -139,7 +139,7 @@ def _peaks(result: StudyResult) -> Grid:
     )
     damped = any(damped_forces(case.channels, case.basis.outputs) for case in result.cases.values())
     shared = f"; force of a part or support {DAMPED_FORCE}" if damped else ""
-    title = f"peaks: {told} ({result.comparison.filter}{told_of}{shared}{ZEROS if tiny else ''})"
+    title = f"peaks: {window} ({result.comparison.filter}{told_of}{shared}{ZEROS if tiny else ''})"
     grid = Grid(title, ("", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.channels))
     for name in names:
@@ -163,7 +163,7 @@ def _peak(result: StudyResult, case: str, name: str, factor: float) -> str:
     if change is not None:
         mark = "" if change.converged else " ?"
         texts.append([f"{_percent(one)}{mark}" for one in (change.first_impact_percent, change.whole_percent)])
-    start = 0 if anything_meets(result) else 1
+    start = 0 if has_contacts(result) else 1
     return "\n".join(" / ".join(both[start:]) for both in texts)
 
 
@@ -190,7 +190,7 @@ def _contacts(result: StudyResult) -> Grid:
             mark = " ?" if name in doubtful_forces(case) else ""
             grid.add(name, case_name, f"{digits(contact.peak_force)}{mark}", str(contact.closings), opens)
     if any(doubtful_forces(case) for case in result.cases.values()):
-        return replace(grid, title=f"{grid.title[:-1]}; {doubted(['force-beyond-modes'])})")
+        return replace(grid, title=f"{grid.title[:-1]}; {doubt_note(['force-beyond-modes'])})")
     return grid
 
 
@@ -205,9 +205,9 @@ def _levels(result: StudyResult) -> Grid:
     grid = Grid(f"levels re 20 µPa{ending}", ("receiver", *result.cases))
     names = list(dict.fromkeys(name for case in result.cases.values() for name in case.levels))
     for name in names:
-        for what, told in reported(Levels).items():
-            if told.symbol:
-                grid.add(f"{name} {told.symbol} [dB]", *(_level(case, name, what) for case in result.cases.values()))
+        for what, entry in reported(Levels).items():
+            if entry.symbol:
+                grid.add(f"{name} {entry.symbol} [dB]", *(_level(case, name, what) for case in result.cases.values()))
     add_totals(grid, result)
     if cut:
         grid.add("sound ends at [Hz]", *(f"{end:.4g}" if isfinite(end) else "-" for end in ends.values()))
@@ -234,12 +234,12 @@ def _modes_db(result: StudyResult) -> Grid:
     reference = result.cases[result.comparison.baseline]
     moving = [name for name in reference.channels if name.endswith("velocity") or _only_accelerates(reference, name)]
     pressures = [name for name in reference.channels if name.endswith(" pressure")]
-    heard = [*moving, *_first_receivers(pressures)]
+    channels = [*moving, *_first_receivers(pressures)]
     forces = [name for name in reference.channels if name.startswith(NET_FORCE) and _changes(result, name)]
-    modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in heard}
+    modes = {name: {mode for beside in others.values() for mode in beside.modes_db.get(name, {})} for name in channels}
     spoken = set().union(*modes.values())
     unspoken = 0
-    for channel in (*heard, *forces):
+    for channel in (*channels, *forces):
         numbers = sorted(modes.get(channel, spoken))
         shown = [mode for mode in numbers if reference.basis.frequency_hz[mode - 1] <= SPOKEN_HZ][:SPOKEN_MODES]
         unspoken = max(unspoken, len(numbers) - len(shown))
@@ -248,7 +248,7 @@ def _modes_db(result: StudyResult) -> Grid:
             group = list(alike)
             ends = [f"{reference.basis.frequency_hz[mode - 1]:.1f}" for mode in (group[0], group[-1])]
             grid.add(channel, _from_to([str(group[0]), str(group[-1])]), _from_to(ends), *cells)
-    left = len(pressures) + len(moving) - len(heard)
+    left = len(pressures) + len(moving) - len(channels)
     more = [f"{count} more {word}" for count, word in ((left, "receivers"), (unspoken, "modes")) if count]
     return replace(grid, title=f"{grid.title} ({' and '.join(more)} in summary.json)") if more else grid
 
@@ -297,10 +297,10 @@ def _in_cases(names: Sequence[str]) -> str:
     >>> _in_cases(["light", "heavy"])
     ' (cases light, heavy)'
     """
-    return f" (case{'s' if len(names) > 1 else ''} {some_of(names)})"
+    return f" (case{'s' if len(names) > 1 else ''} {list_some(names)})"
 
 
 def _show_timings(screen: Console, seconds: Mapping[str, float]) -> None:
-    told = ", ".join(f"{stage} {spent:.2f}" for stage, spent in seconds.items())
-    if told:
-        screen.print(f"CPU seconds: {told}", soft_wrap=True)
+    timings = ", ".join(f"{stage} {spent:.2f}" for stage, spent in seconds.items())
+    if timings:
+        screen.print(f"CPU seconds: {timings}", soft_wrap=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from femstruct.study.results import CaseResult, StudyResult
-from femstruct.view.spectra import shown_to
+from femstruct.view.spectra import spectrum_end_hz
 
 FEWEST_LINES: Final = 8  # of a spectrum that is drawn
 WITH_SPECTRUM: Final = ("velocity", "acceleration", "net force")  # what a channel's name ends or begins with
@@ -24,7 +24,7 @@ def no_spectrum(result: StudyResult, channel: str) -> str:
         return "it is the motion of a body by itself"
     if not any(case.channels[channel].whole for case in cases):
         return "it is zero"
-    top = min(shown_to(_baseline(result).basis, response.clock.sampling) for response in responses)
+    top = min(spectrum_end_hz(_baseline(result).basis, response.clock.sampling) for response in responses)
     short = top * min(response.clock.duration for response in responses) < FEWEST_LINES
     return "the record is too short for the modes of the structure" if short else ""
 
@@ -63,14 +63,14 @@ def no_sound_energy(result: StudyResult, room: str) -> str:
 
 def no_levels(result: StudyResult, room: str) -> str:
     """Of the levels over time."""
-    heard = any(room in case.rooms and case.rooms[room].receivers for case in result.cases.values())
-    return "" if heard else "the room has no receivers"
+    received = any(room in case.rooms and case.rooms[room].receivers for case in result.cases.values())
+    return "" if received else "the room has no receivers"
 
 
 def no_own_sound(result: StudyResult, room: str) -> str:
     """Of the sound of the bodies themselves."""
-    heard = any(room in case.heard.own for case in result.cases.values())
-    return "" if heard else "no body radiates there: only one with a 'radius' beside a half space does"
+    radiated = any(room in case.heard.own for case in result.cases.values())
+    return "" if radiated else "no body radiates there: only one with a 'radius' beside a half space does"
 
 
 def no_rating(result: StudyResult, room: str) -> str:

@@ -15,19 +15,19 @@ import numpy as np
 
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
-from femstruct.impact.resampled import FOLDED, averaged, last_mode_hz
+from femstruct.impact.resampled import FOLDED, average_motion, last_mode_hz
 from femstruct.impact.response import Response
 from femstruct.impact.scene import Clock
 from femstruct.impact.simulate import simulate
 from femstruct.model.model import Model
-from femstruct.parts.wave_findings import CELLS_PER_WAVE, carried_hz
+from femstruct.parts.wave_findings import CELLS_PER_WAVE, mesh_limit_hz
 from femstruct.study.asked import AccuracyRule, Extent
 from femstruct.study.results import AccuracyCheck, Deviation
 from femstruct.study.structures import BeamModel, RodModel
 from femstruct.study.study import Case
-from femstruct.units import readable
-from femstruct.workflow.bases import Solved, damped, key_of, solve
-from femstruct.workflow.coupled_air import coupled
+from femstruct.units import readable_unit
+from femstruct.workflow.bases import Solved, damp_basis, key_of, solve
+from femstruct.workflow.coupled_air import couple_rooms
 from femstruct.workflow.recorded_channels import (
     AT_REST,
     STRESS,
@@ -37,9 +37,9 @@ from femstruct.workflow.recorded_channels import (
     first_window,
     histories,
     in_band,
-    walked,
+    walk_stresses,
 )
-from femstruct.workflow.staging import scene
+from femstruct.workflow.staging import build_scene
 
 GROWTH = 2  # in frequency, or in the number of modes of a closed-form structure
 MOST_GROWTHS = 6
@@ -72,9 +72,9 @@ def hold_accuracy(
         groups.setdefault(solved[case.name].key, []).append(case)
     for members in groups.values():
         own = any(case.name == baseline.name for case in members)
-        found, told = _climb(members, solved[members[0].name], baseline, None if own else final[baseline.name])
+        found, compared = _climb(members, solved[members[0].name], baseline, None if own else final[baseline.name])
         final |= {case.name: found for case in members}
-        checks |= told
+        checks |= compared
     return final, checks
 
 
@@ -85,7 +85,7 @@ def accuracy_findings(check: AccuracyCheck) -> tuple[Finding, ...]:
         return ()
     name, deviation = worst
     low, high = check.band
-    factor, unit = readable(deviation.unit, max(deviation.smaller, deviation.larger))
+    factor, unit = readable_unit(deviation.unit, max(deviation.smaller, deviation.larger))
     return (
         Finding(
             "accuracy-not-reached",
@@ -120,9 +120,9 @@ def _climb(
     runs: dict[str, tuple[Clock, Run]] = {}
     for lower, higher in ladder.pairs():
         for case in asking:
-            asked, before = runs.get(case.name) or _first_run(case, lower, baseline, reference)
-            clock = _showing(asked, higher)
-            if clock is not asked:
+            run, before = runs.get(case.name) or _first_run(case, lower, baseline, reference)
+            clock = _showing(run, higher)
+            if clock is not run:
                 before = _run(case, lower, baseline, reference, clock)
             after = _run(case, higher, baseline, reference, clock)
             check = _compared(_rule(case), before, after, lower, higher, ladder.stopped)
@@ -152,20 +152,20 @@ class _Ladder:
 
     @property
     def limit_hz(self) -> float:
-        asked = [_rule(case).up_to_hz for case in self.members if case.study.accuracy is not None]
-        most = np.inf if None in asked else max(hz for hz in asked if hz is not None)
+        limits = [_rule(case).up_to_hz for case in self.members if case.study.accuracy is not None]
+        most = np.inf if None in limits else max(hz for hz in limits if hz is not None)
         growths = MOST_GROWTHS
         while growths and self.first.basis.modes.stop * GROWTH**growths > MOST_MODES:
             growths -= 1
         most = min(most, self._reach(self.first, growths) * 1.001)
-        return float(min(most, carried_hz(self.first.model))) if self.first.model is not None else float(most)
+        return float(min(most, mesh_limit_hz(self.first.model))) if self.first.model is not None else float(most)
 
     @property
     def stopped(self) -> str:
         """Why there is no larger basis, and what to do."""
         model: Model | None = self.first.model
         limit = self.limit_hz
-        if model is not None and limit == carried_hz(model):
+        if model is not None and limit == mesh_limit_hz(model):
             return (
                 f"The mesh is fine enough for bending waves up to {limit:.5g} Hz ({CELLS_PER_WAVE:g} cells a "
                 "wavelength): refine it, or "
@@ -238,25 +238,25 @@ def _run(case: Case, solved: Solved, baseline: Case, reference: Solved | None, c
 
 
 def _response(case: Case, solved: Solved, baseline: Case, reference: Solved | None, clock: Clock) -> Response:
-    basis = damped(case, {baseline.name: reference or solved, case.name: solved}, baseline)
-    basis, _ = coupled(basis, case.study.rooms, solved.places)
-    return simulate(basis, scene(case.study, solved.places, basis), clock)
+    basis = damp_basis(case, {baseline.name: reference or solved, case.name: solved}, baseline)
+    basis, _ = couple_rooms(basis, case.study.rooms, solved.places)
+    return simulate(basis, build_scene(case.study, solved.places, basis), clock)
 
 
 def _digest(case: Case, solved: Solved, response: Response) -> Run:
     rule, sampling = _rule(case), response.clock.sampling
-    stressed = [wanted for wanted in case.study.records if wanted.what == STRESS]
-    others = tuple(wanted for wanted in case.study.records if wanted not in stressed)
-    plain = histories(replace(case.study, rooms=(), records=others), solved.places, averaged(response))
-    rest = before_start(case.study, solved.places, response)
+    stressed = [record for record in case.study.records if record.what == STRESS]
+    others = tuple(record for record in case.study.records if record not in stressed)
+    plain = histories(replace(case.study, rooms=(), records=others), solved.places, average_motion(response))
+    before = before_start(case.study, solved.places, response)
     channels = {
-        name: (in_band(values, sampling, rule.band, rest.get(name, AT_REST)), unit)
+        name: (in_band(values, sampling, rule.band, before.get(name, AT_REST)), unit)
         for name, (values, unit) in plain.items()
     }
-    for wanted in stressed:
-        rows = solved.places.stresses(wanted.target, f"record.{wanted.target}")
+    for record in stressed:
+        rows = solved.places.stresses(record.target, f"record.{record.target}")
         moved_in_band = in_band(response.q, sampling, rule.band)
-        channels[str(wanted)] = (walked(rows, response.basis.shapes, moved_in_band).history, UNITS[STRESS])
+        channels[str(record)] = (walk_stresses(rows, response.basis.shapes, moved_in_band).history, UNITS[STRESS])
     window = first_window(case.study.peaks, response)
     within = response.t <= window
     return Run(

@@ -17,13 +17,13 @@ from acoustics.errors import AcousticsError
 from femstruct.arrays import Floats
 from femstruct.assembly.matrices import assemble
 from femstruct.conventions import GRAVITY
-from femstruct.errors import FemstructError, Finding, InputError, InputErrors, NotConverged, some_of
+from femstruct.errors import FemstructError, Finding, InputError, InputErrors, NotConverged, list_some
 from femstruct.language.models import ModelFile, with_position
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.closed_form import beam, given_modes, oscillator, rod
 from femstruct.modal.damping import carry_damping, with_damping
 from femstruct.modal.reduction import modal_basis
-from femstruct.modal.statics import sunk
+from femstruct.modal.statics import sag_displacements
 from femstruct.model.library import LibraryEntry
 from femstruct.model.library_entries import library
 from femstruct.model.mesher import mesh_structure
@@ -96,7 +96,7 @@ def _add(digest: Any, value: Any) -> None:
 
 
 @contextmanager
-def positioned(source: ModelFile | Plan) -> Iterator[None]:
+def with_positions(source: ModelFile | Plan) -> Iterator[None]:
     """Errors of the input raised inside begin with ``file:line:column:`` where their path is in a file.
 
     What did not converge is put where the thing that it names is described, else at the beginning of the file.
@@ -149,7 +149,7 @@ def axis_of(study: Study) -> Literal["x", "z"]:
     """
     if study.bodies:
         return "x" if any(body.side in ("before", "after") for body in study.bodies) else "z"
-    pushed = pushed_along(study)
+    pushed = excitation_axis(study)
     if pushed:
         return "x" if pushed == {"x"} else "z"
     spots = [request.drive for request in study.frf]
@@ -158,7 +158,7 @@ def axis_of(study: Study) -> Literal["x", "z"]:
     return "x" if shaken or any(spot.what == "x" for spot in spots) else "z"
 
 
-def pushed_along(study: Study) -> set[str]:
+def excitation_axis(study: Study) -> set[str]:
     """Which of x and z a study starts or pushes its structure along. What starts as a whole along both, or has gravity,
     comes down on what it meets."""
     spots = [spot for spot, _ in study.initial.velocities]
@@ -183,7 +183,7 @@ def refuse_mixed_axes(study: Study) -> None:
             expected="bodies that move along one axis",
         )
     joins = [f"contacts.{one.name}" for one in study.contacts] + [f"links.{one.name}" for one in study.links]
-    if joins and not study.bodies and len(pushed_along(study)) > 1:
+    if joins and not study.bodies and len(excitation_axis(study)) > 1:
         raise InputError(
             joins[0],
             got="starts and loads along x and along z",
@@ -193,7 +193,7 @@ def refuse_mixed_axes(study: Study) -> None:
 
 
 @dataclass(frozen=True)
-class RestState:
+class StaticState:
     """Gravity on a body that links carry: its weight with all that lies on it [N], and how far it has sunk [m]."""
 
     body: str
@@ -201,7 +201,7 @@ class RestState:
     sag: float
 
 
-def rest_states(study: Study) -> tuple[RestState, ...]:
+def static_states(study: Study) -> tuple[StaticState, ...]:
     """Weights and static sags of the bodies that links carry; empty without gravity.
 
     Notes: the structure and the contacts under lying bodies are taken as rigid beside the links.
@@ -214,8 +214,8 @@ def weights_on(study: Study) -> dict[str, float]:
     the study and without, as the structure's own weight; empty where they move along x."""
     if axis_of(study) != "z":
         return {}
-    bodies, lying = {body.name for body in study.bodies}, lying_bodies(study)
-    sags = {rest.body: rest.sag for rest in _carried(study)}
+    bodies, lying = {body.name for body in study.bodies}, resting_bodies(study)
+    sags = {state.body: state.sag for state in _carried(study)}
     found: dict[str, float] = {}
     for body in lying.values():
         if body.target not in (*bodies, "ground"):
@@ -227,8 +227,8 @@ def weights_on(study: Study) -> dict[str, float]:
     return found
 
 
-def _carried(study: Study) -> tuple[RestState, ...]:
-    carried, lying = carried_bodies(study), lying_bodies(study)
+def _carried(study: Study) -> tuple[StaticState, ...]:
+    carried, lying = carried_bodies(study), resting_bodies(study)
     names = [body.name for body in study.bodies if body.name in carried]
     weight = np.array([mass_on(body, lying) for body in study.bodies if body.name in carried]) * GRAVITY
     stiffness = np.zeros((len(names), len(names)))
@@ -236,7 +236,7 @@ def _carried(study: Study) -> tuple[RestState, ...]:
         row = np.array([float(name == link.between[0]) - float(name == link.between[1]) for name in names])
         stiffness += link.stiffness * np.outer(row, row)
     sag = np.linalg.solve(stiffness, weight)
-    return tuple(RestState(*rest) for rest in zip(names, weight.tolist(), sag.tolist(), strict=True))
+    return tuple(StaticState(*values) for values in zip(names, weight.tolist(), sag.tolist(), strict=True))
 
 
 def carried_bodies(study: Study) -> set[str]:
@@ -256,7 +256,7 @@ def _holding(study: Study) -> list[PlannedLink]:
     return [link for link in study.links if link.stiffness > 0.0 and link.release_at == 0.0]
 
 
-def lying_bodies(study: Study) -> dict[str, PlacedBody]:
+def resting_bodies(study: Study) -> dict[str, PlacedBody]:
     """Bodies that lie still on the structure, the ground, a carried body or each other, their contact closed."""
     closed = [set(contact.between) for contact in planned_contacts(study) if contact.gap == 0.0]
     bodies, carried = {body.name for body in study.bodies}, carried_bodies(study)
@@ -273,9 +273,9 @@ def lying_bodies(study: Study) -> dict[str, PlacedBody]:
     return lying
 
 
-def at_rest(study: Study) -> set[str]:
+def supported_bodies(study: Study) -> set[str]:
     """Bodies whose weight something holds."""
-    return carried_bodies(study) | lying_bodies(study).keys()
+    return carried_bodies(study) | resting_bodies(study).keys()
 
 
 def mass_on(body: PlacedBody, lying: Mapping[str, PlacedBody]) -> float:
@@ -290,15 +290,15 @@ def weighs(study: Study) -> bool:
 
 def weight_of_bodies(study: Study) -> float:
     """Weight of the bodies that are at rest at first [N]: hung on links or lying, all of it ends on the ground."""
-    carried, lying = carried_bodies(study), lying_bodies(study)
+    carried, lying = carried_bodies(study), resting_bodies(study)
     return sum(body.mass for body in study.bodies if body.name in carried or body.name in lying) * GRAVITY
 
 
-def refuse_restless(study: Study) -> None:
+def refuse_unsupported(study: Study) -> None:
     """Raise InputError when gravity acts on a body that neither rests nor falls."""
     if not weighs(study):
         return
-    resting = at_rest(study)
+    resting = supported_bodies(study)
     for body in study.bodies:
         if body.name not in resting and not body.dropped and body.speed == 0.0:
             under = next((one for one in study.bodies if one.name == body.target and one.name not in resting), None)
@@ -337,7 +337,7 @@ class Places:
     def stresses(self, name: str, asked_by: str) -> StressPlaces:
         """Where a part is stressed. Raises InputError for a name that is no part, or a part without stresses."""
         if name not in self.parts:
-            raise InputError(asked_by, got=f"'{name}'", expected=f"a part: {some_of(self.parts) or 'there is none'}")
+            raise InputError(asked_by, got=f"'{name}'", expected=f"a part: {list_some(self.parts) or 'there is none'}")
         return self.parts[name].stresses(1 + max(int(part.nodes.max()) for part in self.parts.values()))
 
     def point(self, name: str, asked_by: str) -> Point:
@@ -351,7 +351,7 @@ class Places:
         raise InputError(
             asked_by,
             got=f"'{name}'" + (f", which has {len(several)} places" if several else ""),
-            expected=f"one of {some_of(several or sorted(self.points)) or 'no points: the structure has none'}",
+            expected=f"one of {list_some(several or sorted(self.points)) or 'no points: the structure has none'}",
             do="name one place" if several else near_one(name, self.points),
         )
 
@@ -365,7 +365,7 @@ class Places:
         if isinstance(one.on, Spot):
             return self.point(one.on.name, f"vibration.{one.name}.at").probe(one.on.what)
         if one.on not in self.surfaces:
-            expected = f"a surface: {some_of(self.surfaces) or 'there is none'}"
+            expected = f"a surface: {list_some(self.surfaces) or 'there is none'}"
             raise InputError(f"vibration.{one.name}.on", got=f"'{one.on}'", expected=expected)
         return self.surfaces[one.on].pressure()
 
@@ -388,7 +388,7 @@ class Places:
         return tuple(several) if several and name not in self.points else (self.point(name, asked_by).name,)
 
 
-def pushed_otherwise(study: Study, places: Places) -> dict[str, Probe]:
+def other_excitations(study: Study, places: Places) -> dict[str, Probe]:
     """Where the air of two-way rooms, requests, measured sources and vibrations push a structure, by address."""
     found: dict[str, Probe] = {}
     for plan in study.rooms:
@@ -418,20 +418,24 @@ CARRIED = 0.9  # of the mass upwards: with less in the modes a sum over them is 
 _FALLS = 1e-6  # of the mass: what rigid modes may carry of it upwards and still be rounding
 
 
-def sags(model: Model, basis: ModalBasis, hung: Sequence[tuple[Probe, float]] = ()) -> tuple[Sag, ...]:
+def sags(model: Model, basis: ModalBasis, point_loads: Sequence[tuple[Probe, float]] = ()) -> tuple[Sag, ...]:
     """Static sags of all parts but those that are only nodes of others, as attachments; none for a structure that
     nothing holds up, or whose weight matrices do not say.
 
-    basis : in vacuo; it tells what is free to move. hung : forces [N] along probes of what hangs or lies on it.
+    basis : in vacuo; it tells what is free to move. point_loads : forces [N] along probes of what hangs or lies on it.
 
     Notes
     -----
-    One static solution (`sunk`). A structure that is free to slide or turn has none: then the sum over the modes of the
-    basis, each by what of the weight it carries, and nothing where they carry less than `CARRIED` of it.
+    One static solution (`sag_displacements`). A structure that is free to slide or turn has none: then the sum over the
+    modes of the basis, each by what of the weight it carries, and nothing where they carry less than `CARRIED` of it.
     """
     if any("z" in part.unweighed for part in model.parts.values()):
         return ()
-    moved = _slid(basis, hung) if (basis.omega == 0.0).any() else sunk(assemble(model), hung, held=True)
+    moved = (
+        _slid(basis, point_loads)
+        if (basis.omega == 0.0).any()
+        else sag_displacements(assemble(model), point_loads, held=True)
+    )
     if moved is None:
         return ()
     found = []
@@ -443,17 +447,19 @@ def sags(model: Model, basis: ModalBasis, hung: Sequence[tuple[Probe, float]] = 
     return tuple(found)
 
 
-def _slid(basis: ModalBasis, hung: Sequence[tuple[Probe, float]]) -> Floats | None:
+def _slid(basis: ModalBasis, point_loads: Sequence[tuple[Probe, float]]) -> Floats | None:
     """Displacements [n_nodes, 7] under weight of a structure with modes at 0 Hz; None where it falls, or where the
     modes carry too little of the weight."""
     pulled, free = basis.momentum[2], basis.omega == 0.0
-    if falling(basis) or (pulled[~free] ** 2).sum() < CARRIED * basis.total_mass:
+    if falls_freely(basis) or (pulled[~free] ** 2).sum() < CARRIED * basis.total_mass:
         return None
-    push = -GRAVITY * pulled + sum((force * probe.of(basis.shapes) for probe, force in hung), np.zeros(len(pulled)))
+    push = -GRAVITY * pulled + sum(
+        (force * probe.of(basis.shapes) for probe, force in point_loads), np.zeros(len(pulled))
+    )
     return np.asarray(basis.shapes[:, :, ~free] @ (push[~free] / basis.omega[~free] ** 2))
 
 
-def falling(basis: ModalBasis) -> bool:
+def falls_freely(basis: ModalBasis) -> bool:
     """Whether a mode without frequency moves up and down: weight sets it in motion, and nothing holds it."""
     free = basis.omega == 0.0
     return bool((basis.momentum[2][free] ** 2).sum() > _FALLS * basis.total_mass)
@@ -488,8 +494,8 @@ class Solved:
         weights = {} if study is None else weights_on(study)
         if self.model is None or not weights:
             return self.under_weight
-        hung = [(self.places.point(name, "bodies").probe("z"), -weight) for name, weight in weights.items()]
-        return sags(self.model, self.basis, hung)
+        point_loads = [(self.places.point(name, "bodies").probe("z"), -weight) for name, weight in weights.items()]
+        return sags(self.model, self.basis, point_loads)
 
 
 @dataclass(frozen=True, eq=False)
@@ -571,7 +577,7 @@ def _force_probes(study: Study, places: Places) -> dict[str, Probe]:
     return force_probes(study, places)
 
 
-def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
+def damp_basis(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBasis:
     """The basis of a case with its damping and the air of its cavities.
 
     Notes
@@ -581,19 +587,19 @@ def damped(case: Case, solved: Mapping[str, Solved], baseline: Case) -> ModalBas
     """
     own, reference = solved[case.name], solved[baseline.name]
     if own.key == reference.key or changes_damping(case):
-        return in_air(with_damping(own.basis, case.study.damping), own)
-    return in_air(carry_damping(baseline.study.damping, reference.basis, own.basis), own)
+        return add_cavities(with_damping(own.basis, case.study.damping), own)
+    return add_cavities(carry_damping(baseline.study.damping, reference.basis, own.basis), own)
 
 
-def in_air(basis: ModalBasis, own: Solved) -> ModalBasis:
+def add_cavities(basis: ModalBasis, own: Solved) -> ModalBasis:
     """The basis of a structure with the air of its cavities. basis : in vacuo, with its damping if it has one."""
     cavities = own.structure.cavities if isinstance(own.structure, Structure) else ()
     return with_cavities(basis, all_cavities(cavities, own.places.surfaces)[0])
 
 
-def shown_in_air(basis: ModalBasis, own: Solved) -> ModalBasis:
+def add_cavities_for_tables(basis: ModalBasis, own: Solved) -> ModalBasis:
     """The same for tables and files of modes: what lies beyond the modes of the structure completes a response only."""
-    joined = in_air(basis, own)
+    joined = add_cavities(basis, own)
     if joined is basis:
         return basis
     top = float(basis.omega[basis.modes].max(initial=0.0))
@@ -641,7 +647,7 @@ ALLOWED: Final = 1.0  # of the largest load that the maker of a hanger recommend
 _WHOLE: Final = 1.0 - 1e-9  # of a shift that nothing resists
 
 
-def hung(model: Model) -> dict[str, dict[str, Any]]:
+def hanger_loads(model: Model) -> dict[str, dict[str, Any]]:
     """Of all hangers one by one, by name: the ceiling, how many there are, and the mean load of each [N].
 
     mean_load_n : of all that hangs on the ceiling, shared by all hangers that it has; None where other parts or
@@ -665,8 +671,8 @@ def hung(model: Model) -> dict[str, dict[str, Any]]:
 
 def hanger_findings(model: Model) -> tuple[Finding, ...]:
     """Hangers of the library whose mean load is more than their maker recommends."""
-    entries, told = {part.name: _entry(part) for part in _singles(model)}, []
-    for name, one in hung(model).items():
+    entries, findings = {part.name: _entry(part) for part in _singles(model)}, []
+    for name, one in hanger_loads(model).items():
         entry, load, most = entries[name], one["mean_load_n"], one["largest_load_n"]
         if entry is None or load is None or most is None or load <= ALLOWED * most:
             continue
@@ -674,7 +680,7 @@ def hanger_findings(model: Model) -> tuple[Finding, ...]:
         assert fact is not None, "a number has its fact"
         count = one["count"]
         needed = int(np.ceil(count * load / (ALLOWED * most)))
-        told.append(
+        findings.append(
             Finding(
                 "hangers-overloaded",
                 f"{name}: each of the {count} hangers carries {load:.4g} N of {one['ceiling']} in the mean, and "
@@ -683,7 +689,7 @@ def hanger_findings(model: Model) -> tuple[Finding, ...]:
                 {"mean_load_n": load, "largest_load_n": most, "hangers": count},
             )
         )
-    return tuple(told)
+    return tuple(findings)
 
 
 def _singles(model: Model) -> list[Hangers]:

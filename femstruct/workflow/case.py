@@ -10,14 +10,14 @@ from functools import partial
 from typing import Any, Final
 
 from acoustics.errors import Advice
-from acoustics.levels.bands import ended
+from acoustics.levels.bands import truncate_response
 from acoustics.levels.rated import RatedRoom
 from acoustics.levels.sound_levels import Levels
 from acoustics.room_response import RoomResponse
 from femstruct.compiled.store import compilation
 from femstruct.errors import Finding
-from femstruct.findings.catalogue import ranked
-from femstruct.impact.exact import takes_exact_march
+from femstruct.findings.catalogue import rank_findings
+from femstruct.impact.exact import is_piecewise_linear
 from femstruct.impact.fatigue import Fatigue
 from femstruct.impact.numerical_error import ErrorEstimate, error_of, unresolved_findings
 from femstruct.impact.resampled import last_mode_hz
@@ -38,32 +38,32 @@ from femstruct.study.recorded import Channel
 from femstruct.study.results import NO_OWN_SOUND, AccuracyCheck, CaseResult, Drop, Frf, OwnSound
 from femstruct.study.study import Case, Study
 from femstruct.workflow.accuracy import accuracy_findings
-from femstruct.workflow.bases import Places, Solved, damped
-from femstruct.workflow.case_comparison import judged
-from femstruct.workflow.coupled_air import RoomTransfers, coupled, coupled_key, weight_on_air
+from femstruct.workflow.bases import Places, Solved, damp_basis
+from femstruct.workflow.case_comparison import drop_verdicts
+from femstruct.workflow.coupled_air import RoomTransfers, couple_rooms, coupled_key, weight_on_air
 from femstruct.workflow.impact_findings import (
     aliased_findings,
     coarse_sampling,
     force_findings,
-    forces_beside,
+    force_shares_beyond_modes,
     impact_findings,
-    marked,
+    impulse_ratios,
+    mark_forces,
     missed_peaks,
     missed_pulses,
-    other_pushes,
     room_findings,
+    runs_with_less_static_share,
     sampled_findings,
-    shares_beyond,
+    sensitive_forces,
     source_findings,
     walking_findings,
-    with_less,
 )
 from femstruct.workflow.measured_sources import (
-    covered_floor,
+    apply_reduction,
+    apply_reduction_to_rooms,
+    covering_findings,
     footstep_findings,
     installed_sources,
-    reduced,
-    reduced_rooms,
     shares_by_surface,
     sound_energies,
 )
@@ -78,7 +78,7 @@ from femstruct.workflow.rated_floors import (
 from femstruct.workflow.rated_rooms import (
     band_levels,
     blows_of,
-    meeting_findings,
+    coincidence_findings,
     method_for,
     overlap_findings,
     rate_rooms,
@@ -86,18 +86,18 @@ from femstruct.workflow.rated_rooms import (
 from femstruct.workflow.recorded_channels import (
     cut_off_findings,
     damage_findings,
-    evaluated,
+    empty_evaluations,
+    evaluate_histories,
     fatigue_findings,
     fatigues,
     motion_rows,
-    nothing_evaluated,
     peak_findings,
     record,
     refuse_absent_forces,
     stress_findings,
 )
 from femstruct.workflow.responses import frequency_response, random_fatigues, vibrations
-from femstruct.workflow.staging import levels_by_receiver, own_findings, scene, sound_of_bodies
+from femstruct.workflow.staging import build_scene, levels_by_receiver, own_findings, sound_of_bodies
 from femstruct.workflow.study_findings import all_findings, blank_findings, room_silent, study_findings
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -119,7 +119,7 @@ def expected_units(cases: Sequence[Case]) -> Units:
 def units_of(basis: ModalBasis, scene: Scene, clock: Clock) -> Units:
     """Kernels that a run of this scene takes."""
     compiled = compile_scene(basis, scene, clock)
-    exact = takes_exact_march(compiled.system, compiled.n_samples / clock.sampling)
+    exact = is_piecewise_linear(compiled.system, compiled.n_samples / clock.sampling)
     return EXACTLY if exact else BY_COLLOCATION
 
 
@@ -139,7 +139,7 @@ Timed = Callable[[str], AbstractContextManager[object]]
 
 
 @dataclass(frozen=True, eq=False)
-class Struck:
+class DropRun:
     """One simulation: the motion and what the march leaves it wrong by, None where nobody asked, the pressures, the
     levels by "ROOM.RECEIVER", the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, reasons
     to trust it less, and what striking bodies are heard themselves."""
@@ -158,7 +158,7 @@ class Struck:
         return Drop(self.response.outcome.value, peaks, self.levels, self.heard.total_levels, verdicts)
 
 
-def strike(
+def simulate_drops(
     studies: Mapping[str, Study],
     time: TimePlan,
     places: Places,
@@ -167,7 +167,7 @@ def strike(
     stage: Timed,
     transfers: RoomTransfers,
     estimated: bool = True,
-) -> dict[str, Struck]:
+) -> dict[str, DropRun]:
     """Studies that differ in where a source strikes, simulated: impacts, their errors, rooms, levels, by drop.
 
     basis : damped, with the air that reacts on the structure; vacuo : without it. stage : measures a stage by its name.
@@ -180,7 +180,7 @@ def strike(
     The pressures of all but the first drop are forgotten once their levels are known; what a room costs is paid once.
     """
     first = next(iter(studies.values()))
-    needed = units_of(basis, scene(first, places, basis), clock_of(time))
+    needed = units_of(basis, build_scene(first, places, basis), clock_of(time))
     if not have(needed):  # others than the laws of its contacts told: fast modes take another march
         with stage("kernels"), compilation(needed) as running:
             running.wait()
@@ -191,21 +191,21 @@ def strike(
     with stage("room"):
         ends = {plan.name: plan.heard_to_hz(basis.complete_below_hz) for plan in first.rooms}
         rooms = _rooms(first, places, responses, ends, transfers)
-    struck = {}
+    runs = {}
     for drop, study in studies.items():
         with stage("levels"):
             whole = {name: by_drop.pop(drop) for name, by_drop in rooms.items()}
-            own = {name: ended(one, ends[name]) for name, one in whole.items()}
-            heard = levels_by_receiver(own, whole)
+            own = {name: truncate_response(one, ends[name]) for name, one in whole.items()}
+            levels = levels_by_receiver(own, whole)
             bands = {
-                plan.name: reduced(
+                plan.name: apply_reduction(
                     study,
                     band_levels(
                         study,
                         method,
                         whole[plan.name],
                         ends[plan.name],
-                        [heard[f"{plan.name}.{one.name}"] for one in plan.receivers],
+                        [levels[f"{plan.name}.{one.name}"] for one in plan.receivers],
                     ),
                 )
                 for plan in study.rooms
@@ -213,16 +213,16 @@ def strike(
             }
             bodies = sound_of_bodies(study, places, responses[drop], own, whole)
         findings = (
-            *findings_of(study, responses[drop], errors[drop], vacuo, own, heard),
+            *findings_of(study, responses[drop], errors[drop], vacuo, own, levels),
             *room_findings(own_findings(study, places, responses[drop], bodies)),
         )
         kept = own if drop == next(iter(studies)) else {}
-        struck[drop] = Struck(responses[drop], errors[drop], kept, heard, bands, findings, bodies)
-    return struck
+        runs[drop] = DropRun(responses[drop], errors[drop], kept, levels, bands, findings, bodies)
+    return runs
 
 
 def _hit(study: Study, time: TimePlan, places: Places, basis: ModalBasis) -> Response:
-    return simulate(basis, scene(study, places, basis), clock_of(time))
+    return simulate(basis, build_scene(study, places, basis), clock_of(time))
 
 
 def clock_of(time: TimePlan) -> Clock:
@@ -236,49 +236,49 @@ def findings_of(
     errors: ErrorEstimate | None,
     vacuo: ModalBasis,
     rooms: Mapping[str, RoomResponse],
-    heard: Mapping[str, Levels],
+    levels_by_receiver: Mapping[str, Levels],
 ) -> tuple[Finding, ...]:
     """What is to be known of an impact and of what is heard of it. vacuo : without air that reacts on the modes."""
-    told: list[tuple[str, Advice | Finding]] = [
+    noted: list[tuple[str, Advice | Finding]] = [
         (name, advice) for name, one in rooms.items() for advice in one.findings
     ]
-    told += [(name, advice) for name, levels in heard.items() for advice in levels.findings]
-    told += [(name, room_silent()) for name, one in rooms.items() if not one.p.any()]
+    noted += [(name, advice) for name, levels in levels_by_receiver.items() for advice in levels.findings]
+    noted += [(name, room_silent()) for name, one in rooms.items() if not one.p.any()]
     found = (
         *sampled_findings(study, response),
         *impact_findings(vacuo, response),
         *source_findings(study, response),
         *walking_findings(study, vacuo),
         *(() if errors is None else unresolved_findings(errors, study.accuracy.within if study.accuracy else None)),
-        *room_findings(told),
+        *room_findings(noted),
     )
     return tuple(one for one in found if blows_of(study) != "tapping" or one.code not in STEADY)
 
 
-def told_once(told: Mapping[str, Sequence[Finding]]) -> list[Finding]:
+def merge_drop_findings(by_place: Mapping[str, Sequence[Finding]]) -> list[Finding]:
     """Findings of all drops {place: ...}: of those with one code the ones of the first drop that has it, and of others
     what is severe where the first is not; each with its place where there are several.
 
     >>> told = {"p.1": [Finding("a", "one")], "p.2": [Finding("a", "two"), Finding("b", "three")]}
-    >>> [found.message for found in told_once(told)]
+    >>> [found.message for found in merge_drop_findings(told)]
     ['one (blows at p.1)', 'three (blows at p.2)']
     """
     found: list[Finding] = []
     known: dict[str, bool] = {}  # code: whether it was severe
-    for place, findings in told.items():
-        findings = members_once(findings)
+    for place, findings in by_place.items():
+        findings = merge_member_findings(findings)
         new = [one for one in findings if one.code not in known or (one.severe and not known[one.code])]
         known |= {one.code: one.severe or known.get(one.code, False) for one in new}
-        after = f" (blows at {place})" if len(told) > 1 else ""
+        after = f" (blows at {place})" if len(by_place) > 1 else ""
         found += [replace(one, message=one.message + after) for one in new]
     return found
 
 
-def members_once(findings: Sequence[Finding]) -> list[Finding]:
+def merge_member_findings(findings: Sequence[Finding]) -> list[Finding]:
     """Findings that say the same of every member of an array, but for its number and numbers, told of the first.
 
     >>> told = [Finding("a", f"hammer.{i} lasts {3 + i} ms") for i in (1, 2, 3)]
-    >>> [found.message for found in members_once(told)]
+    >>> [found.message for found in merge_member_findings(told)]
     ['hammer.1 lasts 4 ms (and 2 more)']
     """
     alike: dict[tuple[str, bool, str], list[Finding]] = {}
@@ -303,7 +303,7 @@ def _rooms(
         if not plan.receivers and (plan.coupling == "two-way" or plan.room.open_air is not None):
             continue
         moving = surface_velocities(list(responses.values()), placed_room(plan, places.surfaces))
-        pressures = transfers.heard(moving, plan.room, plan.receivers, ends[plan.name])
+        pressures = transfers.pressures(moving, plan.room, plan.receivers, ends[plan.name])
         rooms[plan.name] = dict(zip(responses, pressures, strict=True))
     return rooms
 
@@ -324,19 +324,19 @@ class History:
     findings: tuple[Finding, ...]
 
 
-def of_history(
+def evaluate_history(
     study: Study, places: Places, basis: ModalBasis, response: Response, rooms: Mapping[str, RoomResponse]
 ) -> History:
     """All that a study asks of the history of an impact, and of the pressures in its rooms.
 
     Raises InputError when a record names something that has no such quantity.
     """
-    channels, shares = record(study, places, response, rooms), shares_beyond(basis, response)
-    beyond = forces_beside(study, response, shares)
+    channels, shares = record(study, places, response, rooms), force_shares_beyond_modes(basis, response)
+    beyond = sensitive_forces(study, response, shares)
     rows = motion_rows(study, places, basis).items()
     accelerations = {name: row for name, (what, row) in rows if what == "acceleration"}
-    evaluations, of_evaluations = evaluated(
-        study, places, response, channels, with_less(study, response, shares), other_pushes(beyond)
+    evaluations, of_evaluations = evaluate_histories(
+        study, places, response, channels, runs_with_less_static_share(study, response, shares), impulse_ratios(beyond)
     )
     found = (
         *aliased_findings(response, accelerations),
@@ -350,10 +350,10 @@ def of_history(
         *stress_findings({name: channel.stressed for name, channel in channels.items()}),
     )
     cycles = fatigues(study, channels, places, response)
-    return History(marked(channels, beyond), mode_energies(response), cycles, evaluations, found)
+    return History(mark_forces(channels, beyond), mode_energies(response), cycles, evaluations, found)
 
 
-def impact_alone(case: Case, key: str, places: Places, basis: ModalBasis, scene: Scene) -> CaseResult:
+def run_impact(case: Case, key: str, places: Places, basis: ModalBasis, scene: Scene) -> CaseResult:
     """A case of one impact: its history and what follows from that, without rooms, frequency responses and steady
     vibration, and without an estimate of the march's error.
 
@@ -365,22 +365,26 @@ def impact_alone(case: Case, key: str, places: Places, basis: ModalBasis, scene:
     assert study.time is not None
     refuse_absent_forces(study, basis)
     response = simulate(basis, scene, clock_of(study.time))
-    told = of_history(study, places, basis, response, {})
-    findings = [*findings_of(study, response, None, basis, {}, {}), *told.findings, *damage_findings(told.fatigue)]
+    history = evaluate_history(study, places, basis, response, {})
+    findings = [
+        *findings_of(study, response, None, basis, {}, {}),
+        *history.findings,
+        *damage_findings(history.fatigue),
+    ]
     return CaseResult(
         case=replace(case, study=study),
         basis_key=key,
         basis=basis,
         response=response,
         frf={},
-        channels=told.channels,
+        channels=history.channels,
         rooms={},
         levels={},
-        findings=ranked(findings),
+        findings=rank_findings(findings),
         accuracy=None,
-        shares=told.shares,
-        evaluations=told.evaluations,
-        fatigue=told.fatigue,
+        shares=history.shares,
+        evaluations=history.evaluations,
+        fatigue=history.fatigue,
     )
 
 
@@ -403,48 +407,50 @@ def run_case(
     rooms computed before; estimated : whether the error of the march is."""
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
-        basis = damped(case, solved, baseline)
+        basis = damp_basis(case, solved, baseline)
     with clock("judgement", case.name):
-        findings = known_before(case, own, basis, accuracy)
-    told: list[tuple[str, Advice | Finding]] = []
+        findings = findings_before_run(case, own, basis, accuracy)
+    noted: list[tuple[str, Advice | Finding]] = []
     vacuo, vibrated = basis, dict[str, Vibrated]()
     if any(plan.coupling == "two-way" for plan in study.rooms):
         with clock("coupling", case.name):
-            basis, found_of_air = coupled(vacuo, study.rooms, own.places)
-            told += found_of_air
+            basis, found_of_air = couple_rooms(vacuo, study.rooms, own.places)
+            noted += found_of_air
     with clock("frf", case.name) as how_far:
         responses, advised = _responses(study, own.places, basis, how_far)
-        told += advised
+        noted += advised
     if study.vibration:
         with clock("vibration", case.name):
             vibrated, uneven = vibrations(study, own.places, basis)
             findings += uneven
     installed, found_of_sources = _sources(case, own.places, basis, clock)
-    told += found_of_sources
-    whole: Struck | None = None
+    noted += found_of_sources
+    whole: DropRun | None = None
     radiated, by_surface, cycles = dict[str, Radiated](), dict[str, SurfaceShares](), dict[str, Fatigue]()
     channels: Mapping[str, Channel] = {}
-    shares, drops, rated, evaluations = None, dict[str, Drop](), {}, nothing_evaluated()
+    shares, drops, rated, evaluations = None, dict[str, Drop](), {}, empty_evaluations()
     if study.time is not None:
         refuse_absent_forces(study, basis)
         studies, timed = case.drops or {"": study}, partial(clock, case=case.name)
-        struck = strike(studies, study.time, own.places, basis, vacuo, timed, transfers=transfers, estimated=estimated)
-        whole = next(iter(struck.values()))  # of the other drops only numbers are kept
-        drops = _drops(case, struck, own.places)
+        runs = simulate_drops(
+            studies, study.time, own.places, basis, vacuo, timed, transfers=transfers, estimated=estimated
+        )
+        whole = next(iter(runs.values()))  # of the other drops only numbers are kept
+        drops = _drops(case, runs, own.places)
         with clock("levels", case.name):
-            told_of = of_history(study, own.places, basis, whole.response, whole.rooms)
+            told_of = evaluate_history(study, own.places, basis, whole.response, whole.rooms)
             shares, channels, evaluations = told_of.shares, told_of.channels, told_of.evaluations
             cycles, findings = dict(told_of.fatigue), [*findings, *told_of.findings]
         if any(plan.room.open_air is not None or len(plan.moved) > 1 for plan in study.rooms):
             with clock("sound energy", case.name):
                 radiated, found_of_sound = sound_energies(study, own.places, whole.response)
                 by_surface = shares_by_surface(study, own.places, whole.response, basis.complete_below_hz)
-            told += [*found_of_sound, *_silent(study, radiated)]
-        findings += told_once({place: one.findings for place, one in struck.items()})
-        rated = _rated(case, struck, own.places, vacuo, clock)
-        told += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
+            noted += [*found_of_sound, *_silent(study, radiated)]
+        findings += merge_drop_findings({place: one.findings for place, one in runs.items()})
+        rated = _rated(case, runs, own.places, vacuo, clock)
+        noted += [*_of_bands(rated), *weight_on_air(whole.response, vacuo, study.rooms)]
         with clock("judgement", case.name):
-            told += known_of_rooms(study, own.places, basis, vacuo)
+            noted += room_mode_findings(study, own.places, basis, vacuo)
     cycles |= random_fatigues(study, vibrated, own.places, basis)
     return CaseResult(
         case=case,
@@ -455,7 +461,7 @@ def run_case(
         channels=channels,
         rooms={} if whole is None else whole.rooms,
         levels={} if whole is None else whole.levels,
-        findings=ranked([*findings, *room_findings(told), *damage_findings(cycles)]),
+        findings=rank_findings([*findings, *room_findings(noted), *damage_findings(cycles)]),
         accuracy=accuracy,
         shares=shares,
         rated=rated,
@@ -471,14 +477,14 @@ def run_case(
     )
 
 
-def known_before(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyCheck | None) -> list[Finding]:
+def findings_before_run(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyCheck | None) -> list[Finding]:
     """What is to be known of a case before anything happens in it. basis : damped."""
     return [
         *all_findings(own, basis, case.studies, case.study.frf),
         *study_findings(case, own.places),
         *coarse_sampling(case.study, last_mode_hz(basis), len(basis.omega)),
         *(accuracy_findings(accuracy) if accuracy is not None else ()),
-        *covered_floor(case.studies, own.places, basis),
+        *covering_findings(case.studies, own.places, basis),
         *footstep_findings(case.study, own.places, basis),
     ]
 
@@ -494,15 +500,15 @@ def _sources(
 
 
 def _rated(
-    case: Case, struck: Mapping[str, Struck], places: Places, vacuo: ModalBasis, clock: Stopwatch
+    case: Case, drop_runs: Mapping[str, DropRun], places: Places, vacuo: ModalBasis, clock: Stopwatch
 ) -> dict[str, RatedRoom]:
     """Every room that is to be rated, by name, from all drops; what is beyond the modes and over an ensemble."""
-    study, runs = case.study, list(struck.values())
-    drops = Drops(case.drops or {"": study}, {place: one.response for place, one in struck.items()})
+    study, runs = case.study, list(drop_runs.values())
+    drops = Drops(case.drops or {"": study}, {place: one.response for place, one in drop_runs.items()})
     with clock("ensemble", case.name):
         ensembles = room_ensembles(drops, places, vacuo)
     with clock("levels", case.name):
-        beside = reduced_rooms(study, statistical_rooms(study, len(runs)), ensembles)
+        beside = apply_reduction_to_rooms(study, statistical_rooms(study, len(runs)), ensembles)
         return rate_rooms(study, [one.bands_db for one in runs], *beside)
 
 
@@ -518,10 +524,10 @@ def _of_bands(rated: Mapping[str, RatedRoom]) -> list[tuple[str, Advice | Findin
     return [(name, one) for name, findings in found.items() for one in findings]
 
 
-def _drops(case: Case, struck: Mapping[str, Struck], places: Places) -> dict[str, Drop]:
+def _drops(case: Case, runs: Mapping[str, DropRun], places: Places) -> dict[str, Drop]:
     """What is kept of every place that a source strikes, with the verdicts on it."""
-    found = ((place, struck[place], study) for place, study in case.drops.items())
-    return {place: one.drop(judged(study, places, one.response)) for place, one, study in found}
+    found = ((place, runs[place], study) for place, study in case.drops.items())
+    return {place: one.drop(drop_verdicts(study, places, one.response)) for place, one, study in found}
 
 
 def _responses(
@@ -529,27 +535,27 @@ def _responses(
 ) -> tuple[dict[str, Frf], list[tuple[str, Advice | Finding]]]:
     """The frequency responses a study asks for, by name, and what is to be known of them."""
     found: dict[str, Frf] = {}
-    told: list[tuple[str, Advice | Finding]] = []
+    noted: list[tuple[str, Advice | Finding]] = []
     for request in study.frf:
         found[request.name], advised = frequency_response(request, places, basis, study.rooms, progress)
         end = request.drive if request.drive.what == VOLUME_VELOCITY else request.response
         own = f"frf.{request.name}"
-        told += [(own if isinstance(one, Finding) else end.name, one) for one in advised]
-    return found, told
+        noted += [(own if isinstance(one, Finding) else end.name, one) for one in advised]
+    return found, noted
 
 
-def known_of_rooms(
+def room_mode_findings(
     study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis
 ) -> list[tuple[str, Advice | Finding]]:
     """What the modes tell of rooms, by room. basis : with the air that reacts on the structure; vacuo : without it."""
-    told: list[tuple[str, Advice | Finding]] = []
+    noted: list[tuple[str, Advice | Finding]] = []
     for plan in study.rooms:
         room = placed_room(plan, places.surfaces)
         found: list[Advice | Finding] = [
             *overlap_findings(plan, study, vacuo),
             *blank_findings(plan, study, basis.complete_below_hz),
-            *meeting_findings(plan, study, room, vacuo),
+            *coincidence_findings(plan, study, room, vacuo),
             *(coupling_findings(vacuo, room) if plan.coupling == "one-way" else ()),
         ]
-        told += [(plan.name, one) for one in found]
-    return told
+        noted += [(plan.name, one) for one in found]
+    return noted

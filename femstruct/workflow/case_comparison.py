@@ -12,10 +12,10 @@ import numpy as np
 
 from acoustics.levels.rated import RatedRoom
 from femstruct.arrays import Floats
-from femstruct.errors import InputError, some_of
+from femstruct.errors import InputError, list_some
 from femstruct.files.study_tables import growth
 from femstruct.impact.blow_by_blow import AT_REST, structure_energy
-from femstruct.impact.resampled import ENOUGH, closer, samples_of_a_pulse
+from femstruct.impact.resampled import ENOUGH, resample, samples_of_a_pulse
 from femstruct.impact.response import EnergyBalance, Response
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.likeness import pairing, share_nodes
@@ -59,14 +59,14 @@ class Spectra:
     def of(self, channel: Channel, sampling: float, count: int | None = None) -> Floats:
         """|FFT| of the first samples of a record, all if None, padded with zeros; sampling [Hz]."""
         values = channel.values[:count]
-        asked = sampling, len(values)
+        key = sampling, len(values)
         kept = self._kept.get(channel)
-        if kept is not None and kept[0] == asked:
+        if kept is not None and kept[0] == key:
             return kept[1]
-        wanted = min(sampling / FINENESS, PADDING * len(values))
-        length = 2 ** int(np.ceil(np.log2(max(2 * len(values), wanted))))
+        least_length = min(sampling / FINENESS, PADDING * len(values))
+        length = 2 ** int(np.ceil(np.log2(max(2 * len(values), least_length))))
         spectrum = np.abs(np.fft.rfft(values, length))
-        self._kept[channel] = asked, spectrum
+        self._kept[channel] = key, spectrum
         return spectrum
 
 
@@ -263,7 +263,7 @@ def verdicts(case: CaseResult) -> tuple[Verdict, ...]:
     )
 
 
-def judged(study: Study, places: Places, response: Response) -> tuple[Verdict, ...]:
+def drop_verdicts(study: Study, places: Places, response: Response) -> tuple[Verdict, ...]:
     """What came of the limits of one drop of several, but for those of ratings."""
     if not any(not limit.room for limit in study.limits):
         return ()
@@ -287,7 +287,7 @@ def _known(limit: Limit, name: str, found: Mapping[str, T]) -> T:
     """What a limit is of. Raises InputError for what is not recorded, or not rated: a study in Python may have it."""
     if name not in found:
         what = "a rated room" if limit.room else f"a recorded channel or {SETTLED}"
-        raise InputError(f"limits.{limit.name}", got=f"'{name}'", expected=f"{what}: {some_of(found)}".rstrip(": "))
+        raise InputError(f"limits.{limit.name}", got=f"'{name}'", expected=f"{what}: {list_some(found)}".rstrip(": "))
     return found[name]
 
 
@@ -348,8 +348,8 @@ def _settled(limit: Limit, response: Response) -> Verdict:
         after > limit.value if after is not None else interval >= limit.value * (1.0 - SAME_INTERVAL)
         for after, interval in waits
     )
-    told = [after for after, _ in waits if after is not None]
-    value = max(told) if told and len(told) == len(waits) else None
+    times = [after for after, _ in waits if after is not None]
+    value = max(times) if times and len(times) == len(waits) else None
     met = False if late else None if value is None else True
     return Verdict(limit.name, value, limit.value, "s", met, seen if value is None else None)
 
@@ -380,7 +380,7 @@ def settling(response: Response) -> tuple[tuple[float | None, float], ...]:
 GROUND_FORCE = "ground force"
 
 
-def about_a_machine(study: Study) -> bool:
+def is_machine_study(study: Study) -> bool:
     """Whether a study is about a machine: something strikes again and again, or the force on the ground is recorded."""
     recorded = any(str(record) == GROUND_FORCE for record in study.records)
     return recorded or any(body.blows is not None for body in study.bodies)
@@ -388,10 +388,10 @@ def about_a_machine(study: Study) -> bool:
 
 def machines(baseline: str, cases: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> dict[str, Machine]:
     """A row for every case that was simulated; none at all unless one of them is about a machine."""
-    if not any(about_a_machine(case.case.study) for case in cases.values()):
+    if not any(is_machine_study(case.case.study) for case in cases.values()):
         return {}
-    told = cases[baseline].channels.get(GROUND_FORCE)
-    reference = told.whole if told is not None and cases[baseline].response is not None else None
+    ground = cases[baseline].channels.get(GROUND_FORCE)
+    reference = ground.whole if ground is not None and cases[baseline].response is not None else None
     return {
         name: _machine(case, case.response, solved[name], None if name == baseline else reference)
         for name, case in cases.items()
@@ -401,12 +401,12 @@ def machines(baseline: str, cases: Mapping[str, CaseResult], solved: Mapping[str
 
 def _machine(case: CaseResult, response: Response, own: Solved, reference: float | None) -> Machine:
     study, model = case.case.study, own.model
-    striking = strikers(study)
+    striking = impacting_bodies(study)
     waits = settling(response) if response.blows else ()
     afters = [after for after, _ in waits if after is not None]
     separation = response.ledger.at_separation
     pressed = GROUND_FORCE in case.channels and weighs(study)
-    near = closer(response) if pressed or set(response.bodies) - striking else response
+    near = resample(response) if pressed or set(response.bodies) - striking else response
     return Machine(
         ground=_ground(case, reference, own.places, near),
         travels={
@@ -431,7 +431,7 @@ def _machine(case: CaseResult, response: Response, own: Solved, reference: float
     )
 
 
-def strikers(study: Study) -> set[str]:
+def impacting_bodies(study: Study) -> set[str]:
     """The bodies with blows; where there are none, those that start with a speed."""
     repeated = {body.name for body in study.bodies if body.blows is not None}
     return repeated or {body.name for body in study.bodies if body.speed}

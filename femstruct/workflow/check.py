@@ -13,7 +13,7 @@ from femstruct.assembly.matrices import assemble
 from femstruct.conventions import DIRECTIONS
 from femstruct.errors import Finding, NotConverged
 from femstruct.files.tables import finding_table, number
-from femstruct.findings.catalogue import ranked
+from femstruct.findings.catalogue import rank_findings
 from femstruct.impact.resampled import last_mode_hz
 from femstruct.language.cases import read_any
 from femstruct.language.models import ModelFile
@@ -28,23 +28,29 @@ from femstruct.study.study import Case, Plan, Study
 from femstruct.workflow.bases import (
     MeshedStructure,
     Places,
-    RestState,
     Solved,
-    hung,
+    StaticState,
+    add_cavities_for_tables,
+    hanger_loads,
     key_of,
     meshed,
-    positioned,
-    rest_states,
-    shown_in_air,
     solve,
+    static_states,
+    with_positions,
 )
 from femstruct.workflow.impact_findings import coarse_sampling, room_findings
-from femstruct.workflow.modes import DEFAULT_MODES, damped_as_far_as_solved
+from femstruct.workflow.modes import DEFAULT_MODES, damp_computed_modes
 from femstruct.workflow.provenance import Progress
 from femstruct.workflow.recorded_channels import refuse_absent_forces
 from femstruct.workflow.responses import excited, response_row
-from femstruct.workflow.staging import force_probes, scene, spheres_before
-from femstruct.workflow.study_findings import all_findings, blanks_before, early_findings, of_cases, study_findings
+from femstruct.workflow.staging import build_scene, force_probes, spheres_before
+from femstruct.workflow.study_findings import (
+    all_findings,
+    blanks_before,
+    early_findings,
+    merge_case_findings,
+    study_findings,
+)
 
 # ----------------------------------------------------------------------------------------------------------------------
 # How blocks lean under their weight and move in the modes of a structure: what `check` reports of machines.
@@ -69,13 +75,13 @@ def block_modes(model: Model, basis: ModalBasis) -> tuple[BlockMode, ...]:
         if sum(shares.values()) < MOVES:
             continue
         largest = sorted(shares.items(), key=lambda item: -item[1])
-        told = {name: share for name, share in largest if share >= NAMED}
+        directions = {name: share for name, share in largest if share >= NAMED}
         ratio = float(basis.damping_ratio[mode])
-        found.append(BlockMode(mode + 1, float(basis.frequency_hz[mode]), ratio, told))
+        found.append(BlockMode(mode + 1, float(basis.frequency_hz[mode]), ratio, directions))
     return tuple(found)
 
 
-def weight_findings(rest: tuple[Sag, ...]) -> tuple[Finding, ...]:
+def weight_findings(sags: tuple[Sag, ...]) -> tuple[Finding, ...]:
     """Blocks that lean at rest: what carries them is not below their centre of mass."""
     return tuple(
         Finding(
@@ -85,7 +91,7 @@ def weight_findings(rest: tuple[Sag, ...]) -> tuple[Finding, ...]:
             "Its centre of mass is not above the centre of its supports",
             {"tilt_rad": sag.tilt, "level_rad": LEVEL},
         )
-        for sag in rest
+        for sag in sags
         if sag.tilt is not None and sag.tilt > LEVEL
     )
 
@@ -114,7 +120,7 @@ class Inspection:
     basis: ModalBasis
     positions: Mapping[str, tuple[float, float, float] | None]
     damping: tuple[str, ...]
-    rests: tuple[RestState, ...]
+    rests: tuple[StaticState, ...]
     sags: tuple[Sag, ...]
     block_modes: tuple[BlockMode, ...]
     rooms: tuple[RoomPlan, ...]
@@ -131,7 +137,7 @@ class Inspection:
             "mass_kg": self.basis.total_mass,
             "box_m": None if facts is None else [facts.low.tolist(), facts.high.tolist()],
             "counts": {} if facts is None else facts.counts,
-            "hangers": {} if self.model is None else hung(self.model),
+            "hangers": {} if self.model is None else hanger_loads(self.model),
             "joints": {} if self.model is None else _joint_tables(self.model),
             "simple_supports": {} if self.model is None else simple_edges(self.model),
             "degrees_of_freedom": self.degrees_of_freedom,
@@ -141,7 +147,7 @@ class Inspection:
                 name: None if position is None else list(position) for name, position in self.positions.items()
             },
             "damping": list(self.damping),
-            "rest": {rest.body: {"weight_n": rest.weight, "sag_m": rest.sag} for rest in self.rests},
+            "rest": {state.body: {"weight_n": state.weight, "sag_m": state.sag} for state in self.rests},
             "sags": {sag.part: {"sag_m": sag.sag, "tilt_rad": sag.tilt} for sag in self.sags},
             "block_modes": [
                 {
@@ -182,16 +188,16 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         case = next(case for case in source.cases if case.name == source.baseline)
         title, structure, damping = source.title, case.study.structure, case.study.damping
     study = None if case is None else case.study
-    with positioned(source):
+    with with_positions(source):
         fewer: tuple[Finding, ...] = ()
         if case is None:
             solved, fewer = _first_modes(structure)
         else:
             solved = solve(structure, case.study.extent, case.studies)
-        vacuo = damped_as_far_as_solved(solved.basis, damping)
-        basis = shown_in_air(vacuo, solved)
+        vacuo = damp_computed_modes(solved.basis, damping)
+        basis = add_cavities_for_tables(vacuo, solved)
         progress("judgement")
-        told = _early(source, case, solved, basis)
+        early = _early(source, case, solved, basis)
     model = solved.model
     sags = solved.under_all(study)
     return Inspection(
@@ -203,12 +209,12 @@ def inspect_file(path: Path, overrides: tuple[str, ...] = (), progress: Progress
         basis=basis,
         positions=_positions(solved),
         damping=damping_sentences(damping, given=isinstance(structure, ModesModel)),
-        rests=() if study is None else rest_states(study),
+        rests=() if study is None else static_states(study),
         sags=sags,
         block_modes=() if model is None else block_modes(model, vacuo),
         rooms=() if study is None else study.rooms,
         drops=() if case is None else tuple(case.drops),
-        findings=ranked((*fewer, *told, *weight_findings(sags), *_left_blank(source, basis))),
+        findings=rank_findings((*fewer, *early, *weight_findings(sags), *_left_blank(source, basis))),
     )
 
 
@@ -285,7 +291,7 @@ def _early(source: ModelFile | Plan, baseline: Case | None, solved: Solved, basi
     if isinstance(source, ModelFile) or baseline is None:
         return all_findings(solved, basis)
     others: dict[str, MeshedStructure] = {}
-    told: dict[str, tuple[Finding, ...]] = {}
+    by_case: dict[str, tuple[Finding, ...]] = {}
     for case in source.cases:
         key = key_of(case.study)
         if key == key_of(baseline.study):
@@ -293,7 +299,7 @@ def _early(source: ModelFile | Plan, baseline: Case | None, solved: Solved, basi
                 _try(study, solved, basis)
             found = all_findings(solved, basis, case.studies, case.study.frf)
             coarse = coarse_sampling(case.study, last_mode_hz(basis), len(basis.omega))
-            told[case.name] = (*found, *study_findings(case, solved.places), *coarse)
+            by_case[case.name] = (*found, *study_findings(case, solved.places), *coarse)
             continue
         if key not in others:
             others[key] = meshed(case.study.structure, case.studies)
@@ -301,13 +307,13 @@ def _early(source: ModelFile | Plan, baseline: Case | None, solved: Solved, basi
         for study in case.studies:
             _try_places(study, own.places)
         coarse = coarse_sampling(case.study, case.study.extent.up_to_hz or 0.0, case.study.extent.count or 0)
-        told[case.name] = (*early_findings(case, own), *coarse)
-    return of_cases(told)
+        by_case[case.name] = (*early_findings(case, own), *coarse)
+    return merge_case_findings(by_case)
 
 
 def _try(study: Study, solved: Solved, basis: ModalBasis) -> None:
     """Raise what running the study would raise before anything is computed."""
-    scene(study, solved.places, basis)
+    build_scene(study, solved.places, basis)
     refuse_absent_forces(study, basis)
     for request in study.frf:
         if request.kind not in ("pressure", "power"):

@@ -12,7 +12,7 @@ from acoustics.fields.returned import KeptTransfer
 from acoustics.fields.sound_field import SoundField
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
-from acoustics.source import together
+from acoustics.source import combine_surfaces
 from femstruct.arrays import Floats
 from femstruct.errors import Finding
 from femstruct.impact.response import Response
@@ -32,20 +32,20 @@ CARRIED_BY_AIR: Final = 0.05  # share of a weight at rest that sealed air may ca
 _HELD: Final = 1e-9  # share of a probe's motion in rigid modes that is rounding
 
 
-def coupled(
+def couple_rooms(
     basis: ModalBasis, rooms: Sequence[RoomPlan], places: Places
 ) -> tuple[ModalBasis, list[tuple[str, Finding]]]:
     """The basis with the air of all rooms whose coupling is two-way, and what is to be known of it, by room.
 
     basis : in vacuo, damped; rooms are joined to it one after the other.
     """
-    told: list[tuple[str, Finding]] = []
+    findings: list[tuple[str, Finding]] = []
     for plan in rooms:
         if plan.coupling == "two-way":
             known = len(basis.findings)
             basis = with_cavity(basis, placed_room(plan, places.surfaces), leak=plan.leak)
-            told += [(plan.name, found) for found in basis.findings[known:]]
-    return basis, told
+            findings += [(plan.name, found) for found in basis.findings[known:]]
+    return basis, findings
 
 
 def weight_on_air(response: Response, vacuo: ModalBasis, rooms: Sequence[RoomPlan]) -> list[tuple[str, Finding]]:
@@ -129,11 +129,11 @@ class RoomTransfers:
     def __init__(self) -> None:
         self._kept: list[KeptTransfer] = []
 
-    def heard(
+    def pressures(
         self, moving: Sequence[Motion], room: SoundField, receivers: Sequence[Receiver], up_to_hz: float
     ) -> list[RoomResponse]:
         """Pressures as `SoundField.pressures` has them."""
-        whole = [together(motion) for motion in moving]
+        whole = [combine_surfaces(motion) for motion in moving]
         for kept in self._kept:
             if kept.of(whole[0], room, receivers, up_to_hz):
                 found = kept.pressures(whole)

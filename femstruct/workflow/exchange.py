@@ -12,32 +12,32 @@ import numpy as np
 
 from femstruct.assembly.matrices import Assembly, assemble
 from femstruct.errors import Finding, InputError
-from femstruct.files.datasets import bare
+from femstruct.files.datasets import nodes_alone
 from femstruct.files.frf_files import write_frf_csv, write_frf_npz, write_frf_uff
 from femstruct.files.matrices_file import write_mtx, write_npz
 from femstruct.files.mode_files import write_vtu
 from femstruct.files.tables import finding_table, number
 from femstruct.files.uff import pyuff, read_uff, write_uff
 from femstruct.files.writing import short
-from femstruct.findings.catalogue import ranked
+from femstruct.findings.catalogue import rank_findings
 from femstruct.language.models import ModelFile, read_model_file
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import Damping, FromMaterials, with_damping
-from femstruct.modal.frf import KINDS, frf, moves
+from femstruct.modal.frf import KINDS, frf, moves_probe
 from femstruct.modal.measured import Correlation, FrfTable, MeasuredModes, Measurement, correlation, frf_table
-from femstruct.modal.steady import Highest, highest, missed_peak
-from femstruct.modal.substructures import reduced_part
+from femstruct.modal.steady import Highest, largest_peak, missed_peak
+from femstruct.modal.substructures import reduce_part
 from femstruct.model.materials import LossByFrequency
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.model import Model, Refined, refined
+from femstruct.model.model import Model, Refined, refine_model
 from femstruct.model.probe import Probe
 from femstruct.model.structure import Structure
 from femstruct.study.asked import Extent, Spot
 from femstruct.study.study import Study
 from femstruct.units import quantity
-from femstruct.workflow.bases import Solved, in_air, positioned, shown_in_air, solve
-from femstruct.workflow.model_answers import STRESS, asked_for, finer
-from femstruct.workflow.modes import DEFAULT_MODES, damped_as_far_as_solved
+from femstruct.workflow.bases import Solved, add_cavities, add_cavities_for_tables, solve, with_positions
+from femstruct.workflow.model_answers import STRESS, checked_frf_request, finer
+from femstruct.workflow.modes import DEFAULT_MODES, damp_computed_modes
 from femstruct.workflow.provenance import Progress, provenance
 from femstruct.workflow.responses import lines_of, response_row
 from femstruct.workflow.study_findings import all_findings
@@ -64,32 +64,32 @@ def frfs_of(
     for option, names in (("--drive", drives), ("--response", responses)):
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise InputError(option, got=f"'{twice[0]}' twice", expected="each place once")
-    requests = [asked_for(drive, response, band, step, kind) for drive in drives for response in responses]
+    requests = [checked_frf_request(drive, response, band, step, kind) for drive in drives for response in responses]
     if stressed := [str(one.response) for one in requests if one.response.what == STRESS]:
         raise InputError("--response", got=f"'{stressed[0]}' with others or --to", expected="one drive and one stress")
     top = requests[0].band[1]
     source = read_model_file(path, overrides)
-    with positioned(source):
+    with with_positions(source):
         asking = Study(source.title, source.structure, source.damping, Extent(), frf=tuple(requests))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * top), (asking,))
-        basis = in_air(with_damping(solved.basis, source.damping), solved)
+        basis = add_cavities(with_damping(solved.basis, source.damping), solved)
         findings = all_findings(
             solved, basis, requests=requests[:1], up_to_hz=top
         )  # they are of the band, not of places
         pushed = {str(spot): _probe(spot, solved, "--drive") for spot in dict.fromkeys(one.drive for one in requests)}
-        heard: dict[str, Probe | ForceRow] = {}
+        receivers: dict[str, Probe | ForceRow] = {}
         for spot in dict.fromkeys(one.response for one in requests):
             row = response_row(spot, solved.places, basis, "--response")
-            heard[str(spot)] = _moving(spot, row, solved, "--response") if isinstance(row, Probe) else row
+            receivers[str(spot)] = _moving(spot, row, solved, "--response") if isinstance(row, Probe) else row
         chosen = next((one for one in KINDS if one == kind), None)
-        tabled = partial(frf_table, basis, pushed, heard, kind=chosen, title=source.title)
+        tabled = partial(frf_table, basis, pushed, receivers, kind=chosen, title=source.title)
         table = tabled(lines_of(requests[0]))
-        missed = _most_missed(table, basis, pushed, heard)
+        missed = _most_missed(table, basis, pushed, receivers)
         if not step and missed is not None:
             table = tabled(lines_of(replace(requests[0], step=finer(requests[0], missed[0].needed))))
-            missed = _most_missed(table, basis, pushed, heard)
-        findings = ranked((*findings, *(() if missed is None else _told(table, *missed))))
-    told = {
+            missed = _most_missed(table, basis, pushed, receivers)
+        findings = rank_findings((*findings, *(() if missed is None else _missed_peaks(table, *missed))))
+    answer = {
         "title": source.title,
         "frequency_hz": table.frequency_hz.tolist(),
         "responses": [
@@ -106,7 +106,7 @@ def frfs_of(
         ],
         "findings": [finding_table(finding) for finding in findings],
     }
-    return table, told, {name: point.position for name, point in solved.places.points.items()}
+    return table, answer, {name: point.position for name, point in solved.places.points.items()}
 
 
 def refuse_unknown(to: str, method: str) -> None:
@@ -136,14 +136,17 @@ def _most_missed(
     for j, drive in enumerate(drives.values()):
         for i, response in enumerate(responses.values()):
             respond = partial(frf, basis, drive, response, kind=table.kinds[i])
-            one = highest(respond, basis, table.frequency_hz, np.abs(table.values[i, j]))
+            one = largest_peak(respond, basis, table.frequency_hz, np.abs(table.values[i, j]))
             found += [] if one is None else [(one, i, j)]
     return max(found, key=lambda each: each[0].missed, default=None)
 
 
-def _told(table: FrfTable, one: Highest, response: int, drive: int) -> list[Finding]:
+def _missed_peaks(table: FrfTable, one: Highest, response: int, drive: int) -> list[Finding]:
     name = f"{table.responses[response]} / {table.drives[drive]}"
-    return [replace(told, message=f"{name}: {told.message}") for told in missed_peak(one, table.unit(response, drive))]
+    return [
+        replace(finding, message=f"{name}: {finding.message}")
+        for finding in missed_peak(one, table.unit(response, drive))
+    ]
 
 
 def _probe(spot: Spot, solved: Solved, option: str) -> Probe:
@@ -151,7 +154,7 @@ def _probe(spot: Spot, solved: Solved, option: str) -> Probe:
 
 
 def _moving(spot: Spot, probe: Probe, solved: Solved, option: str) -> Probe:
-    if not moves(solved.basis, probe):
+    if not moves_probe(solved.basis, probe):
         expected = "a direction in which the structure can move"
         raise InputError(option, got=f"'{spot}', no mode moves along {spot.what}", expected=expected)
     return probe
@@ -168,10 +171,10 @@ def write_modes(
     """Write the modes of a model to NAME.uff or NAME.vtu; returns the file. sets : as of `write_uff`."""
     if to == "uff":
         pyuff()  # told before the work
-    with positioned(source):
+    with with_positions(source):
         tell("modes")
         solved = solve(source.structure, extent)
-        basis = shown_in_air(damped_as_far_as_solved(solved.basis, source.damping), solved)
+        basis = add_cavities_for_tables(damp_computed_modes(solved.basis, source.damping), solved)
     return write_basis(basis, solved.model, source.title, to, folder, name, sets)
 
 
@@ -195,7 +198,7 @@ def write_basis(
 
 def modes_as_measured(title: str, basis: ModalBasis, model: Model | None) -> Measurement:
     """The modes of a basis as if every node had been measured, mass-normalised, cells between the nodes."""
-    shown = bare(basis) if model is None else refined(model, 1)
+    shown = nodes_alone(basis) if model is None else refine_model(model, 1)
     points, quads, lines, first = _once(shown)
     k = basis.modes
     modes = MeasuredModes(
@@ -232,7 +235,7 @@ OF_MATRICES: Final = ("npz", "mtx")
 OF_MODES: Final = ("uff", "vtu")
 
 
-def exported(
+def export_source(
     file: Path,
     to: Ending,
     folder: Path,
@@ -264,7 +267,7 @@ def exported(
     name = file.name.removesuffix(".yaml").removesuffix(".yml")
     if to in OF_MODES:
         return write_modes(source, to, folder, name, extent or Extent(count=DEFAULT_MODES), tell, sets)
-    with positioned(source):
+    with with_positions(source):
         if not isinstance(source.structure, Structure):
             got = "a structure in closed form, which has no matrices"
             raise InputError(f"--to {to}", got=got, expected="a model with parts")
@@ -376,7 +379,7 @@ _TOO_FEW: Final = (
 )
 
 
-def measured_beside(
+def compare_measured_modes(
     path: Path,
     file: Path,
     extent: Extent | None,
@@ -402,13 +405,13 @@ def measured_beside(
     if extent is None and not highest > 0.0:
         raise InputError(str(file), got="rigid modes alone", expected="a frequency above 0 Hz", do="give --count")
     source = read_model_file(path, overrides)
-    with positioned(source):
+    with with_positions(source):
         tell("modes")
         solved = solve(source.structure, extent or Extent(up_to_hz=highest))
         if solved.model is None:
             raise InputError(str(path), got="a structure in closed form", expected="a model with parts")
-        basis = shown_in_air(damped_as_far_as_solved(solved.basis, source.damping), solved)
-        found = correlation(measured, basis, refined(solved.model, DIVISIONS), width)
+        basis = add_cavities_for_tables(damp_computed_modes(solved.basis, source.damping), solved)
+        found = correlation(measured, basis, refine_model(solved.model, DIVISIONS), width)
     return {
         "title": source.title,
         "measured": measurement.title or file.name,
@@ -463,12 +466,12 @@ def reduce_model(
     if output.suffix != ".npz":
         raise InputError("--output", got=f"'{output}'", expected="a file NAME.npz")
     source = read_model_file(path, overrides)
-    with positioned(source):
+    with with_positions(source):
         if not isinstance(source.structure, Structure):
             raise InputError(str(path), got="a structure in closed form", expected="a model with parts")
         tell("reduction")
         model = mesh_structure(source.structure)
-        found = reduced_part(model, part, up_to=extent.up_to_hz, count=extent.count)
+        found = reduce_part(model, part, up_to=extent.up_to_hz, count=extent.count)
     counts = {
         "interface nodes": len(found.interface),
         "interface degrees of freedom": len(found.reduced.boundary),
@@ -502,7 +505,7 @@ def reduce_model(
     return {"written": str(written), **counts, "supports": list(found.supports), "sets": sorted(found.sets)}
 
 
-def told_of(found: Table) -> tuple[str, ...]:
+def export_lines(found: Table) -> tuple[str, ...]:
     """What was written, in lines for the terminal."""
     shown = ("written", "interface nodes", "interface degrees of freedom", "modes")
     lines = [f"{word}: {found[word]}" for word in shown]

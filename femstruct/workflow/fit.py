@@ -91,7 +91,7 @@ class Fit:
         )
 
 
-def judged(
+def fit_with_intervals(
     parameters: Sequence[Parameter],
     x: Floats,
     left: Floats,
@@ -153,7 +153,7 @@ def judged(
 def _seen(jacobian: Floats, free: NDArray[np.bool_]) -> tuple[Floats, Floats]:
     """Combinations of the free parameters that are open [q, p], and the covariance of the rest of them [p, p]."""
     p = len(free)
-    own = unseen(jacobian[:, free]) if free.any() else np.zeros((0, 0))
+    own = unidentifiable(jacobian[:, free]) if free.any() else np.zeros((0, 0))
     open_, covariance = np.zeros((len(own), p)), np.zeros((p, p))
     open_[:, free], covariance[np.ix_(free, free)] = own, inverse(jacobian[:, free], own)
     return open_, covariance
@@ -180,10 +180,10 @@ def _scatter(left: Floats, free: int, known: bool, confidence: float) -> _Scatte
     return _Scatter(noise, noise, float(scipy.special.stdtrit(free, end)), False)
 
 
-def unseen(derivatives: Floats) -> Floats:
+def unidentifiable(derivatives: Floats) -> Floats:
     """Combinations [q, p] of the scaled parameters, of length one, which change nothing: derivatives [N, p].
 
-    >>> unseen(np.array([[1.0, -1.0], [2.0, -2.0]])).round(3).tolist()
+    >>> unidentifiable(np.array([[1.0, -1.0], [2.0, -2.0]])).round(3).tolist()
     [[0.707, 0.707]]
     """
     lengths = np.linalg.norm(derivatives, axis=0)
@@ -232,7 +232,7 @@ class Determined(NamedTuple):
     half: float
 
     @property
-    def told(self) -> str:
+    def text(self) -> str:
         """The formula with its value and interval."""
         return f"{self.formula} = {self.value:.4g} +-{100 * self.half:.2g} %"
 
@@ -255,13 +255,15 @@ class Combination:
         listed = " and ".join((", ".join(self.names[:-1]), self.names[-1]))
         together = " with ".join((moved[0], " and ".join(moved[1:])))
         if np.isinf(self.half_along):
-            told = f"{listed}: the data cannot distinguish them: {together} changes nothing"
+            sentence = f"{listed}: the data cannot distinguish them: {together} changes nothing"
         else:
             along = 100 * min(self.half_along, _LARGEST)
-            told = f"{listed}: the data hardly distinguish them: {together} changes little (+-{along:.0f} % along it)"
+            sentence = (
+                f"{listed}: the data hardly distinguish them: {together} changes little (+-{along:.0f} % along it)"
+            )
         determined = "is well determined" if np.isfinite(self.half_along) else "is determined"
         what = self.kept[0].words if len(self.kept) == 1 else "what does not change with it"
-        return f"{told}. Only {what} {determined}: {', '.join(one.told for one in self.kept)}"
+        return f"{sentence}. Only {what} {determined}: {', '.join(one.text for one in self.kept)}"
 
 
 def combinations(fit: Fit, units: Mapping[str, str], residuals: Callable[[Values], Floats]) -> tuple[Combination, ...]:
@@ -389,7 +391,7 @@ def fit(
     def residuals(values: Values) -> Floats:
         return history(values) - measured
 
-    return fitted(residuals, parameters, float(np.linalg.norm(measured)), confidence=confidence)
+    return fit_parameters(residuals, parameters, float(np.linalg.norm(measured)), confidence=confidence)
 
 
 def parameter(name: str, start: float, low: float | None = None, high: float | None = None) -> Parameter:
@@ -407,7 +409,7 @@ def parameter(name: str, start: float, low: float | None = None, high: float | N
     return Parameter(name, start, least, most, start)
 
 
-def fitted(
+def fit_parameters(
     residuals: History,
     parameters: Sequence[Parameter],
     size: float,
@@ -466,9 +468,9 @@ def fitted(
 
     first = derivatives(begin)
     numbers(begin)
-    refuse_unseen(names, first, size)
-    if len(unseen(first)):
-        x, rest = _truncated(left, derivatives, begin, (lowest, highest))
+    refuse_unidentifiable(names, first, size)
+    if len(unidentifiable(first)):
+        x, final_residuals = _truncated(left, derivatives, begin, (lowest, highest))
     else:
         # x only: what is fitted exactly has no sum of squares left whose change could be judged
         found = scipy.optimize.least_squares(
@@ -483,10 +485,12 @@ def fitted(
         )
         if found.status <= 0:
             raise _endless()
-        x, rest = found.x, found.fun
+        x, final_residuals = found.x, found.fun
     there = derivatives(x)
-    refuse_unseen(names, there, size)
-    return judged(parameters, x, rest, there, size, known, confidence=confidence, runs=runs, numbers=numbers(x))
+    refuse_unidentifiable(names, there, size)
+    return fit_with_intervals(
+        parameters, x, final_residuals, there, size, known, confidence=confidence, runs=runs, numbers=numbers(x)
+    )
 
 
 def _truncated(
@@ -494,21 +498,21 @@ def _truncated(
 ) -> tuple[Floats, Floats]:
     """The minimum and the residuals there by shortest steps of Gauss and Newton: along combinations that the data leave
     open there are none."""
-    rest = left(x)
+    residuals = left(x)
     for _ in range(MOST_ITERATIONS):
         jacobian = derivatives(x)
-        step = -inverse(jacobian, unseen(jacobian)) @ (jacobian.T @ rest)
+        step = -inverse(jacobian, unidentifiable(jacobian)) @ (jacobian.T @ residuals)
         for _ in range(HALVINGS):
             tried = x + step.clip(0.5 * (ends[0] - x), 0.5 * (ends[1] - x))  # never beyond half the way to a bound
             new = left(tried)
-            if float(new @ new) <= (1.0 + SQUARES) * float(rest @ rest):
+            if float(new @ new) <= (1.0 + SQUARES) * float(residuals @ residuals):
                 break
             step = 0.5 * step
         else:
-            return x, rest
-        moved, x, rest = float(np.abs(tried - x).max()), tried, new
+            return x, residuals
+        moved, x, residuals = float(np.abs(tried - x).max()), tried, new
         if moved <= SETTLED * float(np.abs(x).max()):
-            return x, rest
+            return x, residuals
     raise _endless()
 
 
@@ -533,7 +537,7 @@ def differences(
     return np.stack(columns, axis=1)
 
 
-def refuse_unseen(names: Sequence[str], derivatives: Floats, size: float) -> None:
+def refuse_unidentifiable(names: Sequence[str], derivatives: Floats, size: float) -> None:
     """Raise InputError for parameters on which data of norm `size` do not depend: derivatives [N, p] by the scaled
     ones, of which one is zero."""
     lengths = np.linalg.norm(derivatives, axis=0)
@@ -552,7 +556,7 @@ def refuse_unseen(names: Sequence[str], derivatives: Floats, size: float) -> Non
 # ----------------------------------------------------------------------------------------------------------------------
 
 POOR, WRONG = 0.05, 0.2  # residuals over the measured history, root mean squares: told, and not to be trusted
-STRAY = 4.0  # standard deviations of the correlation of white noise
+WHITE = 4.0  # standard deviations of the correlation of white noise
 FEWEST = 20  # residuals of a series, from which on their correlation means something
 QUIET = 0.5  # rms of residuals over the scatter, below which it does not matter whether they are noise
 RESIDUAL_ROUNDING = 1e-5  # residuals over the history that are no noise but rounding
@@ -606,7 +610,7 @@ def _left_over(one: Left) -> Iterator[Finding]:
     pairs = left[:, 1:].size
     together, spread = float((left[:, 1:] * left[:, :-1]).sum() / (left**2).sum()), 1.0 / np.sqrt(max(pairs, 1))
     quiet = not one.size and share < QUIET
-    coloured = together > STRAY * spread and left.shape[1] >= FEWEST and not quiet
+    coloured = together > WHITE * spread and left.shape[1] >= FEWEST and not quiet
     if one.size and share > POOR:
         why = "Try another law, a delay, or a start nearer to the minimum" if coloured else "It is probably noise"
         yield Finding(
@@ -620,10 +624,10 @@ def _left_over(one: Left) -> Iterator[Finding]:
         where = "" if one.size else f"{one.name}: "
         yield Finding(
             "residuals-not-noise",
-            f"{where}Neighbouring residuals are correlated ({together:.2f}; noise has up to {STRAY * spread:.2f}): the "
+            f"{where}Neighbouring residuals are correlated ({together:.2f}; noise has up to {WHITE * spread:.2f}): the "
             f"law is not exact, or the data were filtered. The intervals should be about {wider:.1f} times as wide; "
             "with a wrong law the error may be larger",
-            {"correlation": together, "expected": STRAY * spread, "wider": wider},
+            {"correlation": together, "expected": WHITE * spread, "wider": wider},
         )
 
 
@@ -664,10 +668,10 @@ def _at_bound(fit: Fit) -> Iterator[Finding]:
 
 def _not_distinguished(combinations: Sequence[Combination]) -> Iterator[Finding]:
     for one in combinations:
-        told = ". Their values are those nearest to the starts; fix one of them, or measure what distinguishes them"
+        ending = ". Their values are those nearest to the starts; fix one of them, or measure what distinguishes them"
         yield Finding(
             "parameters-not-distinguished",
-            one.sentence + (told if np.isinf(one.half_along) else ""),
+            one.sentence + (ending if np.isinf(one.half_along) else ""),
             {f"change_{i}": change for i, change in enumerate(one.changes, 1)},
         )
 

@@ -15,7 +15,7 @@ from femstruct.arrays import Floats
 from femstruct.declared import expect
 from femstruct.errors import Finding, InputErrors
 from femstruct.files.tables import finding_table, number
-from femstruct.findings.catalogue import ranked
+from femstruct.findings.catalogue import rank_findings
 from femstruct.study.asked import Beside
 from femstruct.workflow.fit import (
     Combination,
@@ -26,7 +26,7 @@ from femstruct.workflow.fit import (
     combinations,
     differences,
     fit_findings,
-    fitted,
+    fit_parameters,
 )
 from femstruct.workflow.measured_data import DELAY, Datum, HistoryDatum, MeasuredFiles, read_data, refuse_early
 from femstruct.workflow.provenance import Progress
@@ -196,7 +196,7 @@ def identify(
     last = trials.at(fit.values)
     sets = _by_set(data, last)
     mixed = combinations(fit, units, partial(_computed, trials, data))
-    told = (
+    findings = (
         *fit_findings(fit, sets, mixed),
         *(finding for one in data for finding in one.findings(trials.at(start), last)),
         *trials.findings(fit.values),
@@ -208,7 +208,7 @@ def identify(
         beside=tuple(beside for one in data for beside in one.beside(last)),
         left=tuple(DataLeft(one.name, one.numbers, one.rms, one.known) for one in sets),
         combinations=mixed,
-        findings=ranked(told),
+        findings=rank_findings(findings),
         runs=trials.runs,
     )
 
@@ -231,7 +231,7 @@ def _fitted(trials: Trials, data: Sequence[Datum], sought: Sequence[Parameter]) 
         return np.stack(columns, axis=1)
 
     size = float(np.sqrt(sum(one.size**2 for one in data)))
-    return fitted(
+    return fit_parameters(
         lambda values: _residuals(trials.at(values), data),
         sought,
         size,

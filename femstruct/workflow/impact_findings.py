@@ -13,15 +13,15 @@ import numpy as np
 from acoustics.errors import Advice
 from acoustics.levels.sound_levels import LEAST_SAMPLING_HZ, force_exposure_levels
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, NotConverged, some_of
+from femstruct.errors import Finding, NotConverged, list_some
 from femstruct.impact.resampled import (
     ENOUGH,
     FOLDED,
-    closer,
     factor_for,
     factor_of,
     last_mode_hz,
     pulses_hz,
+    resample,
     samples_of_a_pulse,
 )
 from femstruct.impact.response import Outcome, Response
@@ -46,16 +46,16 @@ from femstruct.study.acting import PlacedBody, PlannedLoad
 from femstruct.study.asked import RoomPlan
 from femstruct.study.recorded import NET_FORCE, Channel
 from femstruct.study.study import Study
-from femstruct.units import readable
+from femstruct.units import readable_unit
 from femstruct.workflow.bases import Places, planned_contacts
-from femstruct.workflow.rated_floors import LONGEST_S, infinite, on_resistance
-from femstruct.workflow.recorded_channels import CONVERGED, LessStatic, OtherPush
+from femstruct.workflow.rated_floors import LONGEST_S, impact_on_resistance, infinite_plate
+from femstruct.workflow.recorded_channels import CONVERGED, LessStatic, OtherImpulse
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Samples too few for what vibrates: of recorded histories, of the motion that is heard, of peaks between them.
 # ----------------------------------------------------------------------------------------------------------------------
 
-HEARD = 10.0  # samples in a period of the last mode that are advised where sound is computed from them
+SAMPLES_FOR_SOUND = 10.0  # samples in a period of the last mode that are advised where sound is computed from them
 FEW = 8.0  # samples in a period of a pulse, 4 in its half sine, below which peaks are 8 % low: (pi / 8)^2 / 2
 RECORDED_PEAK_MISSED = 0.05  # of a recorded peak, by which the samples of its history may miss it
 
@@ -83,21 +83,21 @@ def coarse_sampling(study: Study, last_hz: float, modes: int) -> Iterator[Findin
             severe=True,
         )
         return
-    heard = any(_is_heard(plan) for plan in study.rooms)
-    if time.sampling >= FOLDED * last_hz or not (study.records or heard):
+    with_sound = any(_is_heard(plan) for plan in study.rooms)
+    if time.sampling >= FOLDED * last_hz or not (study.records or with_sound):
         return
-    needed = HEARD if heard else FOLDED
+    needed = SAMPLES_FOR_SOUND if with_sound else FOLDED
     sound = "sound is computed from these samples: pressures, levels and ratings are wrong, and peaks of pressures are "
     shown = f"recorded histories and their spectra show what is above {time.sampling / 2.0:g} Hz at lower frequencies. "
     hold = f"Peaks and limits of the structure are found at {factor * time.sampling:g} Hz and hold. "
     yield Finding(
         "motion-coarsely-sampled",
         f"At the sampling of {time.sampling:g} Hz {period}: "
-        + (f"{sound}blank" + ("; " if study.records else ". ") if heard else "")
+        + (f"{sound}blank" + ("; " if study.records else ". ") if with_sound else "")
         + (shown + hold if study.records else "")
         + f"Sample at {ceil(needed * last_hz)} Hz or more",
         values | {"needed": needed},
-        severe=heard,
+        severe=with_sound,
     )
 
 
@@ -136,7 +136,7 @@ def missed_peaks(study: Study, response: Response, channels: Mapping[str, Channe
     if found:
         share, sampled, worst = min(found, key=lambda one: one[0])
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        factor, unit = readable(worst.unit, worst.whole)
+        factor, unit = readable_unit(worst.unit, worst.whole)
         yield Finding(
             "motion-coarsely-sampled",
             f"{worst.name}: the largest sample of the history is {factor * sampled:.4g} {unit}; the peak is "
@@ -170,7 +170,7 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
     for body in study.bodies:
         contact = response.contacts.get(f"{body.name} on {body.target}")
         if body.source == TAPPING_MACHINE and contact is not None and contact.closings:
-            velocity = after_blow(body.name, f"{body.name} on {body.target}", response)
+            velocity = rebound_velocity(body.name, f"{body.name} on {body.target}", response)
             kept.setdefault(body.name.rpartition(".")[0], []).append(velocity / body.speed)
     found = []
     for machine, shares in kept.items():
@@ -189,7 +189,7 @@ def _rebound(study: Study, response: Response) -> list[Finding]:
     return found
 
 
-def after_blow(body: str, contact: str, response: Response) -> float:
+def rebound_velocity(body: str, contact: str, response: Response) -> float:
     """Velocity with which a body leaves at the end of its first blow [m/s]: a light floor that comes back meets it
     again before that. Where the contact stays closed, the velocity just before it is lifted."""
     lifted = min((one.t for one in response.blows if one.body == body and one.number == 2), default=float("inf"))
@@ -240,24 +240,24 @@ def _beyond(body: PlacedBody, response: Response, opens: float) -> list[Finding]
     levels = force_exposure_levels(force, 1.0 / sampling)
     after = response.bodies[body.name].velocity[min(end, len(response.t) - 1)]
     measured = [
-        (f"{band:g} Hz", levels[band], wanted, EXPOSURE_ALLOWED_DB[band], "dB")
-        for band, wanted in source.exposure_db.items()
+        (f"{band:g} Hz", levels[band], nominal, EXPOSURE_ALLOWED_DB[band], "dB")
+        for band, nominal in source.exposure_db.items()
     ]
     measured += [("restitution", after / source.speed, *RESTITUTION, "")]
     measured += [("contact", 1e3 * opens, 1e3 * CONTACT_S[0], 1e3 * CONTACT_S[1], "ms")]
     missed = [one for one in measured if abs(one[1] - one[2]) > one[3]]
     if not missed:
         return []
-    told = "; ".join(
-        f"{what} {value:.3g} {unit}, required {wanted:g} +- {allowed:g} {unit}".replace("  ", " ")
-        for what, value, wanted, allowed, unit in missed
+    deviations = "; ".join(
+        f"{what} {value:.3g} {unit}, required {nominal:g} +- {allowed:g} {unit}".replace("  ", " ")
+        for what, value, nominal, allowed, unit in missed
     )
     values = {what: value for what, value, _, _, _ in missed} | {f"{one[0]} wanted": one[2] for one in missed}
     return [
         Finding(
             "source-off-standard",
             f"{body.name}: on this floor the {body.source} does not satisfy what its standard requires on a rigid "
-            f"floor: {told}",
+            f"floor: {deviations}",
             values,
         )
     ]
@@ -279,19 +279,21 @@ def source_unresolved(body: PlacedBody, sampling: float) -> Finding:
 # left out gives way like a spring, where a plate takes energy away like a dashpot.
 # ----------------------------------------------------------------------------------------------------------------------
 
-Beyond = Mapping[str, tuple[float, float]]  # of contacts that reach beyond the modes, as `shares_beyond` has them
+Beyond = Mapping[
+    str, tuple[float, float]
+]  # of contacts that reach beyond the modes, as `force_shares_beyond_modes` has them
 SEEN_DB: Final = 0.2  # of levels at low frequencies, which are told
 LONG: Final = 4.0  # closings of the contact that the blow on an infinite plate is looked at
 
 
-class PeakBeside(NamedTuple):
+class OtherPeak(NamedTuple):
     """The peak of a contact force beyond the modes [N] and the same by another way; rebound, other_rebound [1] : of the
     body, of its speed at the blow, None where they are not compared. point : what is struck, "" between two. share [1]
     of the force's spectrum above end [Hz]."""
 
     peak: float
     other_peak: float
-    way: str
+    method: str
     rebound: float | None = None
     other_rebound: float | None = None
     point: str = ""
@@ -304,7 +306,7 @@ class PeakBeside(NamedTuple):
         return abs(self.peak - self.other_peak) / max(self.peak, self.other_peak)
 
 
-def with_less(study: Study, response: Response, beyond: Beyond) -> tuple[LessStatic, ...]:
+def runs_with_less_static_share(study: Study, response: Response, beyond: Beyond) -> tuple[LessStatic, ...]:
     """The same impact with half of the static share of the modes left out, and with none, where a study evaluates
     histories and contacts reach beyond the modes: what later blows make of their forces is not seen in the first peak.
 
@@ -314,7 +316,7 @@ def with_less(study: Study, response: Response, beyond: Beyond) -> tuple[LessSta
     if true.all() or not beyond or not study.evaluations:
         return ()
     found = []
-    for share, short, way, allowed in (
+    for share, short, method, allowed in (
         (0.5, "half static", "with half of", CONVERGED),
         (0.0, "nothing static", "where contacts do not feel", 2.0 * CONVERGED),
     ):
@@ -322,13 +324,13 @@ def with_less(study: Study, response: Response, beyond: Beyond) -> tuple[LessSta
         basis = replace(response.basis, shapes=response.basis.shapes * scales)
         with suppress(NotConverged):  # a comparison that fails is none
             run = simulate(basis, response.scene, response.clock)
-            found.append(LessStatic(run, scales, short, way, allowed))
+            found.append(LessStatic(run, scales, short, method, allowed))
     return tuple(found)
 
 
-def forces_beside(study: Study, response: Response, beyond: Beyond) -> dict[str, PeakBeside]:
+def sensitive_forces(study: Study, response: Response, beyond: Beyond) -> dict[str, OtherPeak]:
     """Contacts whose force reaches beyond the modes and is another one by another way, by name."""
-    found: dict[str, PeakBeside] = {}
+    found: dict[str, OtherPeak] = {}
     ends = {planned.name: planned.between for planned in planned_contacts(study)}
     for contact in response.scene.contacts:
         if contact.name not in beyond or contact.name not in ends:
@@ -345,16 +347,16 @@ def forces_beside(study: Study, response: Response, beyond: Beyond) -> dict[str,
     return found
 
 
-def other_pushes(found: Mapping[str, PeakBeside]) -> tuple[OtherPush, ...]:
+def impulse_ratios(found: Mapping[str, OtherPeak]) -> tuple[OtherImpulse, ...]:
     """What first blows on infinite plates give the structure, over what they give here: of a body 1 + rebound."""
     return tuple(
-        OtherPush((1.0 + one.other_rebound) / (1.0 + one.rebound), f"with the rebound of {name} {one.way}")
+        OtherImpulse((1.0 + one.other_rebound) / (1.0 + one.rebound), f"with the rebound of {name} {one.method}")
         for name, one in found.items()
         if one.rebound is not None and one.other_rebound is not None
     )
 
 
-def marked(channels: Mapping[str, Channel], found: Mapping[str, PeakBeside]) -> dict[str, Channel]:
+def mark_forces(channels: Mapping[str, Channel], found: Mapping[str, OtherPeak]) -> dict[str, Channel]:
     """Recorded forces with the peaks that they have by another way beside them, which are then not to be quoted."""
     kept = dict(channels)
     for name, one in found.items():
@@ -365,20 +367,20 @@ def marked(channels: Mapping[str, Channel], found: Mapping[str, PeakBeside]) -> 
     return kept
 
 
-def force_findings(found: Mapping[str, PeakBeside]) -> Iterator[Finding]:
+def force_findings(found: Mapping[str, OtherPeak]) -> Iterator[Finding]:
     """What is to be known of them."""
     for name, one in found.items():
-        told = ""
+        rebound_text = ""
         if one.rebound is not None and one.other_rebound is not None:
-            told = f"The body keeps {one.rebound:z.2f} of its speed, and {one.other_rebound:z.2f}"
-            told += f"{_below(one.rebound, one.other_rebound)}. "
+            rebound_text = f"The body keeps {one.rebound:z.2f} of its speed, and {one.other_rebound:z.2f}"
+            rebound_text += f"{_below(one.rebound, one.other_rebound)}. "
         values = {"peak": one.peak, "beside": one.other_peak, "apart": one.apart, "allowed": CONVERGED}
         rebounds = {"rebound": one.rebound, "rebound_beside": one.other_rebound}
         yield Finding(
             "force-beyond-modes",
-            f"{name} force: do not quote its peak. It is {one.peak:.4g} N, and {one.other_peak:.4g} N {one.way}: "
+            f"{name} force: do not quote its peak. It is {one.peak:.4g} N, and {one.other_peak:.4g} N {one.method}: "
             f"{100 * one.share:.1f} % of the energy of its spectrum lies above {one.end:.5g} Hz, where modes are left "
-            f"out. {told}Compute more modes, until both agree",
+            f"out. {rebound_text}Compute more modes, until both agree",
             values | {key: value for key, value in rebounds.items() if value is not None},
         )
 
@@ -392,7 +394,7 @@ def _below(rebound: float, other: float) -> str:
 
 def _on_infinite_plate(
     study: Study, response: Response, contact: Contact, point: str, end_hz: float
-) -> PeakBeside | None:
+) -> OtherPeak | None:
     """The first blow of a free body on the infinite plate of the part that it strikes: C. Zener, Physical Review 59
     (1941) 669-673. None for other parts, and for bodies that something else holds."""
     body = next((one for one in (contact.upper, contact.lower) if isinstance(one, str) and one in response.bodies), "")
@@ -412,15 +414,15 @@ def _on_infinite_plate(
         return None
     over = next((one.t for one in mine if one.what == "opens"), float(response.t[-1]))
     duration = LONG * max(over - begins, 1.0 / response.clock.sampling)
-    blow = on_resistance(mass, speed, contact.law, resistance, duration)
+    blow = impact_on_resistance(mass, speed, contact.law, resistance, duration)
     while blow.outcome is Outcome.CLOSED_AT_END and duration < LONGEST_S:
         duration *= LONG
-        blow = on_resistance(mass, speed, contact.law, resistance, duration)
+        blow = impact_on_resistance(mass, speed, contact.law, resistance, duration)
     towards = np.sign(response.bodies[body].velocity[sample])
-    left = -float(towards) * after_blow(body, contact.name, response) / speed
+    left = -float(towards) * rebound_velocity(body, contact.name, response) / speed
     other = float(blow.bodies["body"].velocity[-1]) / speed
-    way = "on an infinite plate of the same kind (Zener)"
-    return PeakBeside(response.contacts[contact.name].peak_force, blow.contacts["blow"].peak_force, way, left, other)
+    method = "on an infinite plate of the same kind (Zener)"
+    return OtherPeak(response.contacts[contact.name].peak_force, blow.contacts["blow"].peak_force, method, left, other)
 
 
 def _resistance(study: Study, point: str, end_hz: float) -> float | None:
@@ -432,12 +434,12 @@ def _resistance(study: Study, point: str, end_hz: float) -> float | None:
     part = next((one for one in study.structure.parts if one.name == on), None)
     if not isinstance(part, Plate | Slab):
         return None
-    plate = infinite(section_of(part.material, part.thickness))
+    plate = infinite_plate(section_of(part.material, part.thickness))
     plate = plate.thin if isinstance(part, Plate) else plate
     return 1.0 / float(plate.mobility(np.array([end_hz]))[0])
 
 
-def _by_modes(response: Response, contact: Contact) -> PeakBeside | None:
+def _by_modes(response: Response, contact: Contact) -> OtherPeak | None:
     """The same scene without residual vectors, until the force has had its peak; None where there are none."""
     basis = response.basis
     true = np.array([kind != "residual" for kind in basis.kind])
@@ -451,8 +453,8 @@ def _by_modes(response: Response, contact: Contact) -> PeakBeside | None:
     other = simulate(bare, response.scene, clock).contacts[contact.name].peak_force
     if not other or (not isinstance(contact.upper, Probe) and not isinstance(contact.lower, Probe)):
         return None
-    way = "without the residual vectors (the static correction for the modes that are left out)"
-    return PeakBeside(whole.peak_force, other, way)
+    method = "without the residual vectors (the static correction for the modes that are left out)"
+    return OtherPeak(whole.peak_force, other, method)
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -470,7 +472,7 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
     """Contact forces with content beyond the modes of the basis."""
     found = []
     given = not basis.complete_below_hz  # a list of modes is complete to no frequency
-    for name, (share, top) in shares_beyond(basis, response).items():
+    for name, (share, top) in force_shares_beyond_modes(basis, response).items():
         left_out = (
             "the highest given mode: the response of the structure there is not known"
             if given
@@ -486,7 +488,7 @@ def impact_findings(basis: ModalBasis, response: Response) -> tuple[Finding, ...
     return tuple(found)
 
 
-def shares_beyond(basis: ModalBasis, response: Response) -> dict[str, tuple[float, float]]:
+def force_shares_beyond_modes(basis: ModalBasis, response: Response) -> dict[str, tuple[float, float]]:
     """Share of the energy of the force spectrum above the modes, and their end [Hz], of contacts where it counts."""
     near, found = _for_spectra(basis, response), {}
     on_structure = {c.name for c in response.scene.contacts if isinstance(c.upper, Probe) or isinstance(c.lower, Probe)}
@@ -503,7 +505,7 @@ def shares_beyond(basis: ModalBasis, response: Response) -> dict[str, tuple[floa
 def _for_spectra(basis: ModalBasis, response: Response) -> Response:
     """A run whose samples show the spectra of its contacts: on a finer grid where those of this one are too few."""
     fastest = max(last_mode_hz(basis), *pulses_hz(response).values(), 0.0)
-    return response if response.clock.sampling >= FOLDED * fastest else closer(response) or response
+    return response if response.clock.sampling >= FOLDED * fastest else resample(response) or response
 
 
 def load_findings(loads: Iterable[PlannedLoad], duration: float) -> tuple[Finding, ...]:
@@ -613,16 +615,16 @@ def sampled_findings(study: Study, response: Response) -> tuple[Finding, ...]:
                     "allowed": PEAK_MISSED,
                 },
             )
-    told = {response.contacts[name].peak_force for name in missed}
+    peaks = {response.contacts[name].peak_force for name in missed}
     others = [
         one
         for one in response.findings
-        if one.code != "contact-coarsely-sampled" or one.values.get("peak_force_n") not in told
+        if one.code != "contact-coarsely-sampled" or one.values.get("peak_force_n") not in peaks
     ]
     return (*missed.values(), *others)
 
 
-def room_findings(told: Iterable[tuple[str, Advice | Finding]]) -> list[Finding]:
+def room_findings(findings: Iterable[tuple[str, Advice | Finding]]) -> list[Finding]:
     """What was told of rooms ("box") and receivers ("box.mic"), each once and with the names of all it holds for.
 
     >>> advice = Advice("ringing", "it rings")
@@ -631,14 +633,14 @@ def room_findings(told: Iterable[tuple[str, Advice | Finding]]) -> list[Finding]
     """
     names: dict[tuple[str, str], list[str]] = {}
     first: dict[tuple[str, str], Advice | Finding] = {}
-    for name, found in told:
+    for name, found in findings:
         key = (found.code, found.message)
         names.setdefault(key, []).append(name)
         first.setdefault(key, found)
     return [
         Finding(
             found.code,
-            f"{some_of(names[key])}: {found.message}",
+            f"{list_some(names[key])}: {found.message}",
             found.values,
             severe=isinstance(found, Finding) and found.severe,
         )

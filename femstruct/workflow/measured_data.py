@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from femstruct.arrays import Floats, Integers
-from femstruct.errors import Finding, InputError, shown_as, some_of
+from femstruct.errors import Finding, InputError, list_some, quote_value
 from femstruct.files.band_tables import band_of
 from femstruct.files.columns import read_measured
 from femstruct.files.frf_files import read_frf_csv
@@ -26,10 +26,10 @@ from femstruct.impact.scene import Table
 from femstruct.language.models import ModelFile
 from femstruct.modal.frf import FrfKind, frf, frf_unit
 from femstruct.modal.likeness import near_equal, pairing
-from femstruct.modal.measured import MeasuredModes, MeasuredPlace, Measurement, carried_to, correlation
+from femstruct.modal.measured import MeasuredModes, MeasuredPlace, Measurement, correlation, interpolation_weights
 from femstruct.modal.residuals import nodal_shapes
 from femstruct.modal.sensitivity import POWERS, eigenvalue_slopes, frf_slopes, motions, shape_slopes
-from femstruct.model.model import refined
+from femstruct.model.model import refine_model
 from femstruct.model.probe import Probe
 from femstruct.study.asked import Beside, FrfRequest, Spot
 from femstruct.study.study import Plan, Study
@@ -256,16 +256,16 @@ class ModesDatum(Datum):
         lost = np.flatnonzero(after.mac < LIKE)
         if len(lost):
             worst = float(after.mac.min())
-            told = some_of(f"{self.frequency_hz[i]:.4g} Hz (MAC {after.mac[i]:.2f})" for i in lost)
-            message = f"{self.name}: no mode of the model has the shape of that at {told}; {LIKE:g} is asked for"
+            listed = list_some(f"{self.frequency_hz[i]:.4g} Hz (MAC {after.mac[i]:.2f})" for i in lost)
+            message = f"{self.name}: no mode of the model has the shape of that at {listed}; {LIKE:g} is asked for"
             found.append(Finding("mode-pair-lost", message, {"modes": float(len(lost)), "mac": worst}))
         if not np.array_equal(before.partner, after.partner):
             other = np.flatnonzero(before.partner != after.partner)
-            told = some_of(
+            listed = list_some(
                 f"{self.frequency_hz[i]:.4g} Hz: mode {before.partner[i] + 1}, then {after.partner[i] + 1}"
                 for i in other
             )
-            message = f"{self.name}: measured modes have other partners at the end than at the start ({told})"
+            message = f"{self.name}: measured modes have other partners at the end than at the start ({listed})"
             found.append(Finding("mode-pair-swapped", message, {"modes": float(len(other))}))
         if self.modes is None and self.numbers is None:
             message = (
@@ -289,7 +289,7 @@ class ModesDatum(Datum):
             return self._by_number(moded, origin, groups)
         if moded.model is None:
             raise InputError("--modes", got="shapes and a structure in closed form", expected="a model with parts")
-        found = correlation(self.modes, basis, refined(moded.model, DIVISIONS), self.near).pairs
+        found = correlation(self.modes, basis, refine_model(moded.model, DIVISIONS), self.near).pairs
         partner, count = found.partner, len(found.partner)
         mac = np.array([found.alike(i) for i in range(count)])
         return Pairs(partner, mac, _spaces(found.groups_a, found.groups_b[partner]), groups)
@@ -330,8 +330,8 @@ class ModesDatum(Datum):
     def _placed(self, moded: Moded, nodal: Floats) -> Floats:
         """Motion [m, w] at the measured places of shapes [n_nodes, 7, w]."""
         assert self.modes is not None and moded.model is not None
-        shown = refined(moded.model, DIVISIONS)
-        carry, _ = carried_to(shown, self.modes.points)
+        shown = refine_model(moded.model, DIVISIONS)
+        carry, _ = interpolation_weights(shown, self.modes.points)
         moved = shown.displacement(nodal)
         at = (carry @ moved.reshape(len(shown.points), -1)).reshape(len(self.modes.points), 3, moved.shape[2])
         return np.asarray(at[self.modes.directed])
@@ -359,14 +359,14 @@ class ModesDatum(Datum):
         if change.matrices is None:
             return found.ravel()
         shapes, omega = moded.free[:, basis.modes], basis.omega[basis.modes]
-        wanted = np.flatnonzero(np.isin(pairs.groups, pairs.groups[pairs.partner]))
-        turning = shape_slopes(moded.assembly, omega, shapes, change.matrices, wanted, pairs.groups)
+        chosen = np.flatnonzero(np.isin(pairs.groups, pairs.groups[pairs.partner]))
+        turning = shape_slopes(moded.assembly, omega, shapes, change.matrices, chosen, pairs.groups)
         placed = self._placed(moded, basis.shapes[:, :, basis.modes])
         moving = self._placed(moded, nodal_shapes(moded.assembly, turning))
         for space in range(int(pairs.spaces.max()) + 1):
             members, own = self._space(pairs, space)
             q, inverse = _spanned(placed[:, own])
-            out = moving[:, np.searchsorted(wanted, own)]
+            out = moving[:, np.searchsorted(chosen, own)]
             tilted = (out - q @ (q.T @ out)) @ inverse
             found[:, members] = (tilted + tilted.T) @ measured[:, members]
         return np.asarray(found / self.shapes).ravel()
@@ -592,7 +592,7 @@ def _spot(place: MeasuredPlace, measured: Measurement, places: Places) -> Spot:
     if not len(names) or not apart.min(initial=np.inf) <= NEAR * size:
         where = f" at ({', '.join(f'{x:.4g}' for x in at[0])}) m" if len(at) else ""
         do = "give the model a point there, or a name of the file to one"
-        got, known = f"'{place}'{where}, which is no point of the model", some_of(names) or "none"
+        got, known = f"'{place}'{where}, which is no point of the model", list_some(names) or "none"
         raise InputError("--frf", got=got, expected=f"one of its points: {known}", do=do)
     return Spot(names[int(apart.argmin())], place.direction)
 
@@ -762,7 +762,7 @@ class LevelsDatum(Datum):
             own = (result.heard.total_levels or result.levels)[self.place].bands_db
         found = np.array([own.get(band, np.nan) for band in self.bands_hz.tolist()])
         if not np.isfinite(found).all():
-            blank = some_of(f"{band:g}" for band in self.bands_hz[~np.isfinite(found)])
+            blank = list_some(f"{band:g}" for band in self.bands_hz[~np.isfinite(found)])
             do = "compute more modes, or leave out their lines"
             raise InputError("--levels", got=f"bands that the study does not compute: {blank} Hz", expected="", do=do)
         return found
@@ -793,7 +793,10 @@ def read_levels(path: Path, scatter: float | None, plan: Plan) -> tuple[LevelsDa
                 )
             places[found["place"]] = at
     if not places:
-        got, expected = f"'{path}' with columns {some_of(head[1:]) or 'without heads'}", f"a column {some_of(known)}"
+        got, expected = (
+            f"'{path}' with columns {list_some(head[1:]) or 'without heads'}",
+            f"a column {list_some(known)}",
+        )
         do = f"of the case '{plan.baseline}', which is fitted" if any(": " in cell for cell in head) else ""
         raise InputError("--levels", got=got, expected=expected, do=do)
     return tuple(_one(grid, scatter, study.time.duration, place, at) for place, at in places.items())
@@ -809,11 +812,11 @@ def _one(grid: TextTable, scatter: float | None, planned: float, place: str, at:
         except InputError as error:
             raise wrong_in(grid.path, row.line, error) from None
         if band is None or band in found:
-            raise grid.wrong(row, shown_as(row.cells[0]), "a third octave or octave, such as 63, each once")
+            raise grid.wrong(row, quote_value(row.cells[0]), "a third octave or octave, such as 63, each once")
         cell = row.cells[at] if at < len(row.cells) else ""
         value = grid.number(row, cell) if cell else None
         if cell and value is None:
-            raise grid.wrong(row, shown_as(cell), "a level in dB, or nothing")
+            raise grid.wrong(row, quote_value(cell), "a level in dB, or nothing")
         if value is not None:
             found[band] = value
     if not found:

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from acoustics.errors import Advice
-from acoustics.levels.bands import band_edges, decibel, octave_bands, shown, third_octave_bands
+from acoustics.levels.bands import band_edges, decibel, is_below, octave_bands, third_octave_bands
 from acoustics.levels.rated import Ensemble
 from acoustics.levels.sound_levels import REFERENCE_PA
 from acoustics.levels.statistical import StatisticalBands
@@ -20,7 +20,7 @@ from femstruct.errors import Finding, InputError
 from femstruct.impact.response import Response
 from femstruct.impact.scene import HAMMER_MASS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.frf import Complex, frf, moves
+from femstruct.modal.frf import Complex, frf, moves_probe
 from femstruct.modal.installed_sources import (
     Contacts,
     band_integrals,
@@ -30,8 +30,8 @@ from femstruct.modal.installed_sources import (
 )
 from femstruct.modal.steady import BandSpectrum, Resonances, resonant_lines
 from femstruct.model.probe import Probe
-from femstruct.sound.flanking import SurfaceShares, leak_apart, surface_shares
-from femstruct.sound.radiated_power import Radiated, not_taken, radiated_by
+from femstruct.sound.flanking import SurfaceShares, separate_leak, surface_shares
+from femstruct.sound.radiated_power import Radiated, energy_advice, radiated_sound
 from femstruct.sound.surfaces import moving_modes, pressure_per_force, surface_velocity
 from femstruct.study.acting import Covering, InstalledSource, MeasuredSource, SourceLevels
 from femstruct.study.asked import RoomPlan, Spot
@@ -63,7 +63,7 @@ class Taken(NamedTuple):
     own: float
 
 
-def taken_force(
+def floor_force(
     basis: ModalBasis, places: Sequence[Probe], mass: float, band: tuple[float, float], beyond: bool = False
 ) -> Taken | None:
     """What a floor takes of the force of a mass [kg] at places, in third octaves from one nominal centre to another
@@ -78,12 +78,12 @@ def taken_force(
     1 / |1 + j omega m Y| of that on a rigid one.
     """
     centres = third_octave_bands(_ALL_HZ, lowest_hz=10.0).items()
-    wanted = {nominal: centre for nominal, centre in centres if band[0] <= nominal <= band[1]}
+    bands = {nominal: centre for nominal, centre in centres if band[0] <= nominal <= band[1]}
     end = basis.complete_below_hz or np.inf
-    known = [nominal for nominal, centre in wanted.items() if shown(centre, end, 3)]
+    known = [nominal for nominal, centre in bands.items() if is_below(centre, end, 3)]
     if not known:
         return None
-    lines = np.array([np.geomspace(*band_edges(wanted[nominal]), LINES) for nominal in known])
+    lines = np.array([np.geomspace(*band_edges(bands[nominal]), LINES) for nominal in known])
     found = np.array([frf(basis, probe, probe, lines.ravel(), "mobility") for probe in places]).reshape(
         -1, *lines.shape
     )
@@ -91,10 +91,10 @@ def taken_force(
     size = np.sqrt(np.mean(np.abs(found) ** 2, axis=(0, 2)))
     taken = {one: (10.0 * log10(a), b) for one, a, b in zip(known, felt.tolist(), size.tolist(), strict=True)}
     real = float(found.real[:, -3:].mean())
-    for nominal in wanted.keys() - taken.keys() if beyond else ():
-        taken[nominal] = (10.0 * log10(1.0 + (2 * pi * wanted[nominal] * mass * real) ** 2), real)
+    for nominal in bands.keys() - taken.keys() if beyond else ():
+        taken[nominal] = (10.0 * log10(1.0 + (2 * pi * bands[nominal] * mass * real) ** 2), real)
     worst = max(sorted(taken), key=lambda nominal: taken[nominal][0])
-    return Taken(worst, *taken[worst], 1.0 / (2 * pi * wanted[worst] * mass))
+    return Taken(worst, *taken[worst], 1.0 / (2 * pi * bands[worst] * mass))
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -109,7 +109,7 @@ def covering_of(study: Study) -> Covering | None:
     return next((body.covering for body in study.bodies if body.covering is not None), None)
 
 
-def reduced(study: Study, levels: Sequence[Mapping[float, float]]) -> list[Mapping[float, float]]:
+def apply_reduction(study: Study, levels: Sequence[Mapping[float, float]]) -> list[Mapping[float, float]]:
     """Levels of a tapping machine at receivers {band [Hz]: [dB]}, less the reduction of a covering below it.
 
     Notes
@@ -124,7 +124,7 @@ def reduced(study: Study, levels: Sequence[Mapping[float, float]]) -> list[Mappi
     return [{band: level - less.get(band, 0.0) for band, level in one.items()} for one in levels]
 
 
-def reduced_rooms(
+def apply_reduction_to_rooms(
     study: Study, statistical: Mapping[str, StatisticalBands], ensembles: Mapping[str, Ensemble]
 ) -> tuple[dict[str, StatisticalBands], dict[str, Ensemble]]:
     """Statistical energies and ensembles of rated rooms, by name, less the reduction of a covering in every band."""
@@ -148,21 +148,21 @@ def reduced_rooms(
     return lower, members
 
 
-def covered_floor(studies: Sequence[Study], places: Places, basis: ModalBasis) -> list[Finding]:
+def covering_findings(studies: Sequence[Study], places: Places, basis: ModalBasis) -> list[Finding]:
     """What is to be known of a covering on this floor. basis : damped, with residual vectors for the hammers.
 
     Raises InputError for one that was measured on a floor of another kind, and for one without all rated bands.
 
     Notes
     -----
-    A floor is heavy if it takes less than 1 dB of the force of the hammers (`taken_force`) in every rated band: what a
+    A floor is heavy if it takes less than 1 dB of the force of the hammers (`floor_force`) in every rated band: what a
     covering does to hammers there is what it does in the laboratory.
     """
     covering = covering_of(studies[0])
     if covering is None:
         return []
-    struck = {one.target: one for study in studies for one in study.bodies if one.source == TAPPING_MACHINE}
-    hammers = list(struck.values())
+    hammers_by_target = {one.target: one for study in studies for one in study.bodies if one.source == TAPPING_MACHINE}
+    hammers = list(hammers_by_target.values())
     methods = [method for plan in studies[0].rooms if (method := method_for(plan, studies[0])) is not None]
     machine = hammers[0].name.rpartition(".")[0] or hammers[0].name
     missing = [band for one in methods for band in one.bands_hz if band not in covering.reduction_db]
@@ -171,7 +171,7 @@ def covered_floor(studies: Sequence[Study], places: Places, basis: ModalBasis) -
         raise InputError(f"bodies.{machine}.covering", got=got, expected="one in every band that is rated")
     probes = [places.point(one.target, f"bodies.{one.name}").probe("z") for one in hammers]
     rated = (methods[0].bands_hz[0], methods[0].bands_hz[-1]) if methods else (0.0, 0.0)
-    found = taken_force(basis, probes, HAMMER_MASS, rated, beyond=True)
+    found = floor_force(basis, probes, HAMMER_MASS, rated, beyond=True)
     if found is None:
         return []
     heavy = found.taken_db <= HEAVY_DB
@@ -219,7 +219,7 @@ def footstep_findings(study: Study, places: Places, basis: ModalBasis) -> list[F
         if not load.footstep or not isinstance(load.on, Spot):
             continue
         probe = places.point(load.on.name, f"loads.{load.name}").probe("z")
-        taken = taken_force(basis, [probe], FOOT_KG, STEP_HZ)
+        taken = floor_force(basis, [probe], FOOT_KG, STEP_HZ)
         if taken is not None and taken.taken_db > TAKEN_DB:
             found.append(
                 Finding(
@@ -240,7 +240,7 @@ OPEN_DB: Final = 1.0  # of power that the missing phase leaves open and that is 
 PLACES: Final = 200  # along frequency, where the reverberation times of rooms are looked at
 _HALF_T60: Final = 3.0 * np.log(10.0) / (2.0 * np.pi)  # half the half-power bandwidth of a mode, times T60
 
-Told = list[tuple[str, Advice | Finding]]
+RoomFindings = list[tuple[str, Advice | Finding]]
 
 
 class _Bands(NamedTuple):
@@ -251,7 +251,9 @@ class _Bands(NamedTuple):
     edges: Floats
 
 
-def installed_sources(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[str, InstalledSource], Told]:
+def installed_sources(
+    study: Study, places: Places, basis: ModalBasis
+) -> tuple[dict[str, InstalledSource], RoomFindings]:
     """What the measured sources of a study do, by name, and what is to be known of it, by source.
 
     basis : damped, with the air of two-way rooms.
@@ -260,11 +262,11 @@ def installed_sources(study: Study, places: Places, basis: ModalBasis) -> tuple[
     that do not cover the bands, and modes without damping.
     """
     found: dict[str, InstalledSource] = {}
-    told: Told = []
+    findings: RoomFindings = []
     for one in study.sources:
         found[one.name], more = _installed(one, study, places, basis)
-        told += [(one.name, finding) for finding in more]
-    return found, told
+        findings += [(one.name, finding) for finding in more]
+    return found, findings
 
 
 def _installed(
@@ -273,20 +275,20 @@ def _installed(
     probes, where = places.contacts(one), f"sources.{one.name}"
     bands = _bands(one)
     known = [
-        i for i, centre in enumerate(bands.exact) if shown(centre, basis.complete_below_hz or np.inf, one.fraction)
+        i for i, centre in enumerate(bands.exact) if is_below(centre, basis.complete_below_hz or np.inf, one.fraction)
     ]
     _refuse(one, probes, bands, known, basis)
-    heard = [plan for plan in study.rooms if plan.receivers]
+    with_receivers = [plan for plan in study.rooms if plan.receivers]
     excited = ", ".join(str(spot) for spot in one.at)
     if not known:
         blank = dict.fromkeys(bands.nominal, nan)
         return InstalledSource(excited, one.what, blank, blank, blank), [*_beyond(one, bands, basis.complete_below_hz)]
     edges = bands.edges[known]
     refuse_undamped(where, (float(edges.min()), float(edges.max())), basis)
-    lines = _lines(basis, edges, heard)
+    lines = _lines(basis, edges, with_receivers)
     together = resonances_with(basis, probes, one.mobility, lines)
     if len(together.hz):
-        lines = _lines(basis, edges, heard, together)
+        lines = _lines(basis, edges, with_receivers, together)
     impedance = one.mobility.impedance(lines)
     contacts = contact_forces(receiver_mobility(basis, probes, lines), impedance, one.mobility.has_phase)
     driven = _Driven(one, contacts, impedance, lines, edges, len(probes), known)
@@ -295,16 +297,16 @@ def _installed(
         for word, share in (("power_db", 1.0), ("least_db", contacts.least), ("most_db", contacts.most))
     }
     levels: dict[str, SourceLevels] = {}
-    told: list[Advice | Finding] = []
-    for plan in heard:
+    findings: list[Advice | Finding] = []
+    for plan in with_receivers:
         pressures, advice = _pressures(plan, places, basis, probes, contacts, lines)
-        told += [*advice, *_unrated(one, plan)]
+        findings += [*advice, *_unrated(one, plan)]
         if plan.complete_below_hz < (basis.complete_below_hz or np.inf):
-            told += _beyond(one, bands, plan.complete_below_hz, plan.name)
+            findings += _beyond(one, bands, plan.complete_below_hz, plan.name)
         for receiver, p in zip(plan.receivers, pressures, strict=True):
             levels[f"{plan.name}.{receiver.name}"] = _levels(plan, p, driven, bands, basis)
-    told += _beyond(one, bands, basis.complete_below_hz or np.inf)
-    return InstalledSource(excited, one.what, **power, levels=levels), [*told, *_open(one, power)]
+    findings += _beyond(one, bands, basis.complete_below_hz or np.inf)
+    return InstalledSource(excited, one.what, **power, levels=levels), [*findings, *_open(one, power)]
 
 
 class _Driven(NamedTuple):
@@ -357,7 +359,7 @@ def _refuse(
 ) -> None:
     where = f"sources.{one.name}"
     for probe, spot in zip(probes, one.at if len(one.at) == len(probes) else one.at[:1] * len(probes), strict=True):
-        if not moves(basis, probe):
+        if not moves_probe(basis, probe):
             expected = "a direction in which the structure can move"
             raise InputError(f"{where}.at", got=f"'{spot}', which no mode moves", expected=expected)
     if len(one.spectra) not in (1, len(probes)):
@@ -395,13 +397,13 @@ def _pressures(
 ) -> tuple[Complex, tuple[Advice, ...]]:
     """Pressures per blocked force of each contact [receivers, contacts, nf], and advice."""
     room = placed_room(plan, places.surfaces)
-    per_force, told = [], dict[str, Advice]()
+    per_force, advised = [], dict[str, Advice]()
     for probe in probes:
         p, advice = pressure_per_force(basis, probe, room, plan.receivers, lines)
         per_force.append(p)
-        told |= {one.code: one for one in advice}
+        advised |= {one.code: one for one in advice}
     found: Complex = np.einsum("arf,aif->rif", np.array(per_force), contacts.forces)
-    return found, tuple(told.values())
+    return found, tuple(advised.values())
 
 
 def _levels(plan: RoomPlan, p: Complex, driven: _Driven, bands: _Bands, basis: ModalBasis) -> SourceLevels:
@@ -409,7 +411,7 @@ def _levels(plan: RoomPlan, p: Complex, driven: _Driven, bands: _Bands, basis: M
     end = plan.heard_to_hz(basis.complete_below_hz or np.inf)
     squares = np.abs(p) ** 2
     weighted = np.abs(frequency_weighting(driven.lines, "A")) ** 2
-    complete = [shown(bands.exact[i], end, driven.source.fraction) for i in driven.known]
+    complete = [is_below(bands.exact[i], end, driven.source.fraction) for i in driven.known]
     by_band = _by_band(bands, driven.known, np.where(complete, driven.integrated(squares), nan), REFERENCE_PA**2)
     total = float(driven.integrated(squares * weighted)[complete].sum())
     return SourceLevels(by_band, decibel(total / REFERENCE_PA**2))
@@ -425,20 +427,20 @@ def _by_band(bands: _Bands, known: Sequence[int], values: Floats, reference: flo
 
 def _beyond(one: MeasuredSource, bands: _Bands, end_hz: float, room: str = "") -> list[Finding]:
     """What modes that end at a frequency leave blank of a source: of the structure, or of a room by name."""
-    blank = [i for i, centre in enumerate(bands.exact) if not shown(centre, end_hz, one.fraction)]
+    blank = [i for i, centre in enumerate(bands.exact) if not is_below(centre, end_hz, one.fraction)]
     if not blank:
         return []
     first, top = bands.nominal[blank[0]], float(bands.edges.max())
     levels = "its A-weighted levels are of those below"
-    told = f"the modes end at {end_hz:.4g} Hz: its bands from {first:g} Hz on are blank, and {levels}"
+    message = f"the modes end at {end_hz:.4g} Hz: its bands from {first:g} Hz on are blank, and {levels}"
     if room:
-        told = (
+        message = (
             f"the modes of {room} end at {end_hz:.4g} Hz: there its bands from {first:g} Hz on are blank, and {levels}"
         )
     return [
         Finding(
             "source-beyond-modes",
-            f"{told}. Ask for modes up to {top:.4g} Hz",
+            f"{message}. Ask for modes up to {top:.4g} Hz",
             {"complete_below_hz": end_hz, "first_blank_hz": first, "needed_hz": top},
         )
     ]
@@ -488,15 +490,15 @@ def sound_energies(
 ) -> tuple[dict[str, Radiated], list[tuple[str, Advice | Finding]]]:
     """What was radiated into every half space, by name, and what is to be known of it, by name."""
     radiated: dict[str, Radiated] = {}
-    told: list[tuple[str, Advice | Finding]] = []
+    findings: list[tuple[str, Advice | Finding]] = []
     for plan in study.rooms:
         if plan.room.open_air is not None:
             room = placed_room(plan, places.surfaces)
-            radiated[plan.name], found = radiated_by(response, room, plan.directivity)
-            told += [(plan.name, one) for one in found]
+            radiated[plan.name], found = radiated_sound(response, room, plan.directivity)
+            findings += [(plan.name, one) for one in found]
     everywhere = sum(one.energy.energy_j for one in radiated.values())
-    told += [(name, one) for one in not_taken(everywhere, response.ledger.end.lost_modes) for name in radiated]
-    return radiated, told
+    findings += [(name, one) for one in energy_advice(everywhere, response.ledger.end.lost_modes) for name in radiated]
+    return radiated, findings
 
 
 def shares_by_surface(study: Study, places: Places, response: Response, end_hz: float) -> dict[str, SurfaceShares]:
@@ -509,7 +511,7 @@ def shares_by_surface(study: Study, places: Places, response: Response, end_hz: 
         motion = surface_velocity(response, room)
         if (volume := response.basis.volumes.get(plan.name)) is not None:
             area = sum(one.area for one in motion)
-            motion = leak_apart(motion, volume[moving_modes([response], room)] / area)
+            motion = separate_leak(motion, volume[moving_modes([response], room)] / area)
         shares = surface_shares(motion, room, plan.receivers, plan.heard_to_hz(end_hz))
         found |= {} if shares is None else {plan.name: shares}
     return found

@@ -16,13 +16,13 @@ from femstruct.conventions import DIRECTIONS, GRAVITY
 from femstruct.elements.stresses import von_mises_in_a_cycle
 from femstruct.errors import Finding, InputError
 from femstruct.files.tables import finding_table
-from femstruct.findings.catalogue import ranked
+from femstruct.findings.catalogue import rank_findings
 from femstruct.language.models import read_model_file
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.modal.frf import KINDS, direct_frf
 from femstruct.modal.statics import AtRest, statics
-from femstruct.modal.steady import Highest, harmonic_stress, pushing, stress_components
+from femstruct.modal.steady import Highest, force_excitation, harmonic_stress, stress_components
 from femstruct.model.component import Component, rigid_resistance
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.model import Model
@@ -35,7 +35,7 @@ from femstruct.study.recorded import LargestStress
 from femstruct.study.results import Frf
 from femstruct.study.study import Study
 from femstruct.units import quantity
-from femstruct.workflow.bases import Places, Solved, in_air, positioned, solve
+from femstruct.workflow.bases import Places, Solved, add_cavities, solve, with_positions
 from femstruct.workflow.impact_findings import room_findings
 from femstruct.workflow.modes import frequency_option
 from femstruct.workflow.provenance import Progress
@@ -52,7 +52,7 @@ Table = dict[str, Any]
 _SOLVED: Final = 1e-6  # of the load, or of the stiffness: less is rounding of a file or a solution
 
 
-def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, ...] = ()) -> Table:
+def statics_table(path: Path, forces: list[str], weight: bool, overrides: tuple[str, ...] = ()) -> Table:
     """Table of a model at rest: displacements of its points and parts, forces that hold it, largest stresses.
 
     forces : each "POINT.direction=FORCE".
@@ -64,24 +64,25 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
         got, do = "nothing that acts", "such as --force 'P.z=-10 kN'"
         raise InputError("--force and --weight", got=got, expected="one of them", do=do)
     source = read_model_file(path, overrides)
-    with positioned(source):
+    with with_positions(source):
         if not isinstance(source.structure, Structure):
             raise InputError(str(path), got="a structure in closed form", expected="a model with parts")
         model = mesh_structure(source.structure)
         places = Places(model.points, model.surfaces, model.parts)
         assembly = assemble(model)
-        rest = statics(model, assembly, [_force(text, places) for text in forces], weight)
-    stresses = _stresses(model, places, rest, weight)
+        static_state = statics(model, assembly, [_force(text, places) for text in forces], weight)
+    stresses = _stresses(model, places, static_state, weight)
     return {
         "title": source.title,
-        "load_n": rest.load.tolist(),
+        "load_n": static_state.load.tolist(),
         "points": {
-            name: [rest.of(point.probe(direction)) for direction in DIRECTIONS] for name, point in model.points.items()
+            name: [static_state.of(point.probe(direction)) for direction in DIRECTIONS]
+            for name, point in model.points.items()
         },
-        "parts_m": {name: _largest(part, rest, weight) for name, part in model.parts.items()},
-        "forces_n": {name: force.tolist() for name, force in rest.forces.items()},
-        "on_the_ground": [name for name in rest.forces if name in (*assembly.grounded, GROUND)],
-        "held_inside": _held_inside(source.structure, rest),
+        "parts_m": {name: _largest(part, static_state, weight) for name, part in model.parts.items()},
+        "forces_n": {name: force.tolist() for name, force in static_state.forces.items()},
+        "on_the_ground": [name for name in static_state.forces if name in (*assembly.grounded, GROUND)],
+        "held_inside": _held_inside(source.structure, static_state),
         "stresses": {
             name: {"largest_pa": float(one.largest.max()), "where": one.where} for name, one in stresses.items()
         },
@@ -96,22 +97,22 @@ def at_rest(path: Path, forces: list[str], weight: bool, overrides: tuple[str, .
     }
 
 
-def _largest(part: Meshed, rest: AtRest, weight: bool) -> float:
+def _largest(part: Meshed, static_state: AtRest, weight: bool) -> float:
     """Largest displacement of a part [m]: of its nodes; of a block, of its corners: its only node is in it."""
     if part.box is None:
-        moved = part.moved(rest.displacement, GRAVITY if weight else 0.0)
+        moved = part.moved(static_state.displacement, GRAVITY if weight else 0.0)
     else:
         corners = np.array(list(product(*part.box.T)))
         nodes, rows = part.motion_at(corners, 0.0)
-        moved = np.einsum("pikc,pkc->pi", rows[:, :3], rest.displacement[nodes])
+        moved = np.einsum("pikc,pkc->pi", rows[:, :3], static_state.displacement[nodes])
     return float((moved**2).sum(axis=1).max() ** 0.5)
 
 
-def _held_inside(structure: Structure, rest: AtRest) -> Table | None:
+def _held_inside(structure: Structure, static_state: AtRest) -> Table | None:
     """What of the load reaches no support, since matrices of parts are held inside; None where all of it does."""
     held = [part.name for part in structure.parts if isinstance(part, Substructure) and _holds(part.component)]
-    missing = rest.load - rest.forces[GROUND]
-    if not held or np.abs(missing).max() <= _SOLVED * np.abs(rest.load).max():
+    missing = static_state.load - static_state.forces[GROUND]
+    if not held or np.abs(missing).max() <= _SOLVED * np.abs(static_state.load).max():
         return None
     return {"parts": held, "force_n": missing.tolist()}
 
@@ -137,7 +138,7 @@ def _force(text: str, places: Places) -> tuple[Probe, float]:
     return point.probe(direction), value
 
 
-def _stresses(model: Model, places: Places, rest: AtRest, weight: bool) -> dict[str, LargestStress]:
+def _stresses(model: Model, places: Places, static_state: AtRest, weight: bool) -> dict[str, LargestStress]:
     """Of the parts that have stresses."""
     found: dict[str, LargestStress] = {}
     for name in model.parts:
@@ -145,7 +146,7 @@ def _stresses(model: Model, places: Places, rest: AtRest, weight: bool) -> dict[
             rows = places.stresses(name, name)
         except InputError:  # a part without stresses, such as a block, or a bar without an outline
             continue
-        found[name] = stress_at_rest(rows, rest.displacement, weight)
+        found[name] = stress_at_rest(rows, static_state.displacement, weight)
     return found
 
 
@@ -175,11 +176,11 @@ def stress_response(request: FrfRequest, solved: Solved, basis: ModalBasis) -> t
         raise InputError("--band", got="0 Hz", expected="a frequency > 0: the structure is free")
     drive = solved.places.point(request.drive.name, "--drive").probe(request.drive.what)
     part, rows, near = _places(request.response.name, solved)
-    excitation = pushing(basis, drive)
+    excitation = force_excitation(basis, drive)
     found = harmonic_stress(basis, excitation, rows, np.ones(len(frequency)), frequency)
     stressed = judged(rows, basis.shapes, found.largest, found.amount)
     components = stress_components(basis, excitation, rows, stressed.worst, frequency)
-    told = {
+    answer = {
         "kind": KIND,
         "frequency_hz": frequency.tolist(),
         "real": found.along.tolist(),
@@ -193,7 +194,7 @@ def stress_response(request: FrfRequest, solved: Solved, basis: ModalBasis) -> t
         },
     }
     findings = stress_findings({f"{request.response} per unit force": stressed})
-    return told, (*findings, *orthotropic_findings(solved.structure, (part,)))
+    return answer, (*findings, *orthotropic_findings(solved.structure, (part,)))
 
 
 def _places(name: str, solved: Solved) -> tuple[str, StressPlaces, str]:
@@ -240,31 +241,31 @@ def frf_of(
     -----
     The basis holds all modes up to 2.5 times the upper end of the band, where residual vectors leave 1e-3.
     """
-    request = asked_for(drive, response, band, step, kind)
+    request = checked_frf_request(drive, response, band, step, kind)
     if method not in ("modal", "direct"):
         raise InputError("--method", got=f"'{method}'", expected="modal or direct")
     if method == "direct" and request.response.what == STRESS:
         raise InputError("--method", got="'direct' of a stress", expected="modal")
     source = read_model_file(path, overrides)
-    with positioned(source):
+    with with_positions(source):
         progress("modes")
         asking = Study(source.title, source.structure, source.damping, Extent(), frf=(request,))
         solved = solve(source.structure, Extent(up_to_hz=2.5 * request.band[1]), (asking,))
-        basis = in_air(with_damping(solved.basis, source.damping), solved)
+        basis = add_cavities(with_damping(solved.basis, source.damping), solved)
         findings = all_findings(solved, basis, requests=(request,), up_to_hz=request.band[1])
         progress("frequency response")
         if request.response.what == STRESS:
-            told, uneven = stress_response(request, solved, basis)
-            findings = ranked((*findings, *uneven))
+            content, uneven = stress_response(request, solved, basis)
+            findings = rank_findings((*findings, *uneven))
         else:
             answer, known = _response(request, solved, basis, progress)
             largest = answer.highest
             if not step and method == "modal" and largest is not None and largest.needed < largest.step:
                 request = replace(request, step=finer(request, largest.needed))
                 answer, known = _response(request, solved, basis, progress, largest)
-            findings = ranked((*findings, *room_findings([(f"{response} / {drive}", one) for one in known])))
+            findings = rank_findings((*findings, *room_findings([(f"{response} / {drive}", one) for one in known])))
             values = _direct(request, solved, source.damping, answer) if method == "direct" else answer.values
-            told = {
+            content = {
                 "kind": request.kind,
                 "frequency_hz": answer.frequency_hz.tolist(),
                 "real": np.real(values).tolist(),
@@ -272,7 +273,7 @@ def frf_of(
                 "unit": answer.unit,
             }
     about = {"title": source.title, "drive": drive, "response": response, "method": method}
-    return {**about, **told, "findings": [finding_table(finding) for finding in findings]}
+    return {**about, **content, "findings": [finding_table(finding) for finding in findings]}
 
 
 def _response(
@@ -307,14 +308,14 @@ def _direct(request: FrfRequest, solved: Solved, damping: Damping, answer: Frf) 
     return direct_frf(assemble(solved.model), drive, response, answer.frequency_hz, damping, request.kind)
 
 
-def asked_for(drive: str, response: str, band: str, step: str, kind: str) -> FrfRequest:
+def checked_frf_request(drive: str, response: str, band: str, step: str, kind: str) -> FrfRequest:
     """What the command line asks for, checked.
 
     Raises InputError that begins with the option's own name.
     """
-    listened = _spot(response, "--response")
-    chosen = kind or ("transmissibility" if listened.what.startswith("force") else "accelerance")
-    if listened.what == STRESS:
+    response_spot = _spot(response, "--response")
+    chosen = kind or ("transmissibility" if response_spot.what.startswith("force") else "accelerance")
+    if response_spot.what == STRESS:
         if kind:
             raise InputError("--kind", got=f"'{kind}' of a stress", expected="no kind: stress is per force")
         chosen = "receptance"
@@ -324,7 +325,7 @@ def asked_for(drive: str, response: str, band: str, step: str, kind: str) -> Frf
     width = frequency_option(step, "--step") if step else (high - low) / DEFAULT_LINES
     if not width > 0 or (high - low) / width > MOST_LINES:
         raise InputError("--step", got=f"'{step}'", expected=f"a positive step, for at most {MOST_LINES:,} lines")
-    return FrfRequest("", _spot(drive, "--drive"), listened, chosen, (low, high), width)
+    return FrfRequest("", _spot(drive, "--drive"), response_spot, chosen, (low, high), width)
 
 
 def _band(text: str) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from femstruct.errors import InputError
 from femstruct.files.tables import finding_table, number
 from femstruct.language.models import read_model_file
 from femstruct.modal.basis import ModalBasis
-from femstruct.modal.complex_modes import complex_modes, elastic_ones
+from femstruct.modal.complex_modes import complex_modes, elastic_modes
 from femstruct.modal.coupled_damping import damped_modes
 from femstruct.modal.damping import Damping, with_damping
 from femstruct.model.mesher import mesh_structure
@@ -20,7 +20,7 @@ from femstruct.model.structure import Structure
 from femstruct.sparse import FASTEST
 from femstruct.study.asked import Extent
 from femstruct.units import quantity
-from femstruct.workflow.bases import Solved, positioned, shown_in_air, solve
+from femstruct.workflow.bases import Solved, add_cavities_for_tables, solve, with_positions
 from femstruct.workflow.structure_findings import structure_findings
 
 DEFAULT_MODES = 30
@@ -53,9 +53,9 @@ def frequency_option(text: str, option: str) -> float:
 def modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()) -> Table:
     """Table of modes of a model file: frequencies, damping ratios, kinds, effective masses, findings."""
     source = read_model_file(path, overrides)
-    with positioned(source):
+    with with_positions(source):
         solved = solve(source.structure, extent)
-        basis = shown_in_air(damped_as_far_as_solved(solved.basis, source.damping), solved)
+        basis = add_cavities_for_tables(damp_computed_modes(solved.basis, source.damping), solved)
     return {
         "title": source.title,
         **_listed(source.structure, basis),
@@ -97,7 +97,7 @@ def complex_modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()
     if extent.up_to_hz is None:
         raise InputError("--complex", got="no --up-to", expected="--up-to F", do="say up to which frequency")
     source = read_model_file(path, overrides)
-    with positioned(source):
+    with with_positions(source):
         if not isinstance(source.structure, Structure):
             raise InputError("--complex", got="a structure in closed form", expected="a model with parts")
         if source.structure.cavities:
@@ -106,7 +106,7 @@ def complex_modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()
         real = solve(source.structure, extent).basis
         found = complex_modes(assemble(mesh_structure(source.structure)), source.damping, extent.up_to_hz)
     rigid = [i for i, kind in enumerate(real.kind) if kind == "rigid"]
-    found = elastic_ones(found, real.shapes[:, :, rigid])
+    found = elastic_modes(found, real.shapes[:, :, rigid])
     still: list[float] = [0.0] * len(rigid)
     unknown: list[float | None] = [None] * len(rigid)
     return {
@@ -123,7 +123,7 @@ def complex_modes_of(path: Path, extent: Extent, overrides: tuple[str, ...] = ()
     }
 
 
-def damped_as_far_as_solved(basis: ModalBasis, damping: Damping) -> ModalBasis:
+def damp_computed_modes(basis: ModalBasis, damping: Damping) -> ModalBasis:
     """Damping of the modes there are; ratios of modes beyond the ones asked for have nothing to act on yet."""
     known = len(basis.kind[basis.modes])
     return with_damping(basis, Damping(damping.base, tuple(mode for mode in damping.modes if mode.number <= known)))

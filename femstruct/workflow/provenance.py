@@ -25,10 +25,10 @@ Progress = Callable[[str], None]
 SOON: Final = 1.0  # seconds, before which nothing is said of what is left
 
 
-def counted(of: int, what: str, progress: Progress, *, most: bool = False) -> Callable[[int], None]:
+def progress_counter(of: int, what: str, progress: Progress, *, most: bool = False) -> Callable[[int], None]:
     """Tells how many of so many are done, and about how long the others take. most : fewer may do.
 
-    >>> counted(500, "lines", print)(120)
+    >>> progress_counter(500, "lines", print)(120)
     120 of 500 lines
     """
     began = time.monotonic()
@@ -89,11 +89,11 @@ def inputs_of(plan: Plan) -> str:
     False
     """
     cases = plan.cases
-    told = (sorted(plan.sources.values()), plan.baseline, [case.name for case in cases])
+    content = (sorted(plan.sources.values()), plan.baseline, [case.name for case in cases])
     try:
-        return fingerprint((told, cases))
+        return fingerprint((content, cases))
     except TypeError:  # a function of a script has no value of its own
-        return fingerprint((told, [dict(case.changes) for case in cases]))
+        return fingerprint((content, [dict(case.changes) for case in cases]))
 
 
 @cache

@@ -12,7 +12,7 @@ import numpy as np
 
 from acoustics.arrays import Complexes
 from acoustics.fields.sound_field import SoundField
-from acoustics.levels.bands import band_edges, decibels, filtered, octave_bands, third_octave_bands
+from acoustics.levels.bands import band_edges, decibels, octave_bands, passes_below, third_octave_bands
 from acoustics.levels.rated import Ensemble, RatedRoom
 from acoustics.levels.sound_levels import REFERENCE_SQUARED, exposures, largest_fast
 from acoustics.levels.standards import Method, energy_average
@@ -47,13 +47,13 @@ from femstruct.model.materials import loss_at
 from femstruct.model.structure import PlaceOn, Structure, Support, SurfaceOn
 from femstruct.parts.plate import Plate
 from femstruct.parts.slab import Slab
-from femstruct.sound.surfaces import at_rest
+from femstruct.sound.surfaces import is_at_rest
 from femstruct.study.acting import PlacedBody
 from femstruct.study.asked import RoomPlan
 from femstruct.study.placed_rooms import placed_room
 from femstruct.study.study import Study
 from femstruct.workflow.bases import Places, weighs
-from femstruct.workflow.rated_rooms import apart, method_for, running
+from femstruct.workflow.rated_rooms import averaging_window, blow_interval, method_for
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Floors that statistical energies are for: one bare plate under standard blows; of others, why not.
@@ -81,7 +81,7 @@ def bare_plate(plan: RoomPlan, study: Study, patch_m: float = 0.0) -> RadiatingP
     loss = loss_law(study.damping, section)
     if not (loss(np.array([100.0, 1000.0])) > 0).all():
         return "it has no damping"
-    return RadiatingPlate(infinite(section), part.size[0] * part.size[1], sides, loss, patch_m)
+    return RadiatingPlate(infinite_plate(section), part.size[0] * part.size[1], sides, loss, patch_m)
 
 
 def alike(plate: RadiatingPlate, study: Study) -> RadiatingPlate:
@@ -91,7 +91,7 @@ def alike(plate: RadiatingPlate, study: Study) -> RadiatingPlate:
     return RadiatingPlate(whole, plate.area, plate.sides, plate.loss_factor, plate.patch_m)
 
 
-def infinite(section: PlateSection) -> InfinitePlate:
+def infinite_plate(section: PlateSection) -> InfinitePlate:
     """The infinite plate of a section; its bending about the neutral surface."""
     D = section.bending
     rigidity = (float(D[0, 0]), float(D[1, 1]), float(D[0, 1]), float(D[2, 2]))
@@ -218,19 +218,19 @@ def blow(mass: float, speed: float, law: Law, resistance: float) -> tuple[Floats
     """
     duration = FIRST_S
     while True:
-        history = on_resistance(mass, speed, law, resistance, duration).contacts["blow"]
+        history = impact_on_resistance(mass, speed, law, resistance, duration).contacts["blow"]
         if history.force[-1] <= GONE * history.peak_force or duration >= LONGEST_S:
             return np.array([*history.force, 0.0]), duration / SAMPLES
         duration *= LONGER
 
 
-def on_resistance(mass: float, speed: float, law: Law, resistance: float, duration: float) -> Response:
+def impact_on_resistance(mass: float, speed: float, law: Law, resistance: float, duration: float) -> Response:
     """The contact "blow" of a "body" of a mass [kg] with a speed [m/s] on a resistance [N s/m]; duration [s]."""
     basis, points = oscillator(resistance * NO_MASS_S, stiffness=0.0, axis="z")
     rate = np.array([[1.0 / NO_MASS_S]])
     basis = replace(basis, viscous=rate, dashpots=rate)
-    struck = Contact("blow", "body", points["m"].probe("z"), law)
-    return simulate(basis, Scene((Body("body", mass, -speed),), (struck,)), Clock(duration, SAMPLES / duration))
+    contact = Contact("blow", "body", points["m"].probe("z"), law)
+    return simulate(basis, Scene((Body("body", mass, -speed),), (contact,)), Clock(duration, SAMPLES / duration))
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -256,13 +256,13 @@ def blow_spectrum(response: Response, body: PlacedBody, s: Complexes, *, weighs:
     towards = 1.0 if body.side in ("below", "before") else -1.0
     velocity[0] = towards * body.speed  # before it is given its start it is still
     pushes = body.mass * (np.diff(velocity) + (GRAVITY / sampling if weighs else 0.0))
-    struck = np.flatnonzero(np.abs(pushes) > STILL * np.abs(pushes).max(initial=0.0))
-    last = int(struck[-1]) + 1 if len(struck) else 0
+    loaded = np.flatnonzero(np.abs(pushes) > STILL * np.abs(pushes).max(initial=0.0))
+    last = int(loaded[-1]) + 1 if len(loaded) else 0
     t = (np.arange(last) + 0.5) / sampling
     return np.asarray(np.exp(-np.outer(s, t)) @ pushes[:last])
 
 
-def coupled(basis: ModalBasis, modes: Integers) -> Oscillators | None:
+def coupled_oscillators(basis: ModalBasis, modes: Integers) -> Oscillators | None:
     """Oscillators of the whole basis [K] where damping couples any of these modes [k] to each other, else None.
 
     basis : damped.
@@ -280,8 +280,8 @@ def driven_rates(
 ) -> Complexes:
     """Spectra of the rates [n, k, nf] of some modes [k] by forces [n, nf] at places whose rows are [n, K], of all.
 
-    basis : damped. found : what `coupled` found of these modes and those they move with. Modes it does not couple
-    move by themselves.
+    basis : damped. found : what `coupled_oscillators` found of these modes and those they move with. Modes it does not
+    couple move by themselves.
     """
     if found is None:
         own, squared = np.diag(basis.time_damping)[modes], basis.omega[modes] ** 2
@@ -338,10 +338,10 @@ AT_MOST: Final = 0.2  # ... of a side that is short
 NEAR: Final = 1e-6  # of a part's size, by which a place may be off it
 
 
-def drawn_sides(rooms: int, rng: np.random.Generator) -> Floats:
+def draw_sides(rooms: int, rng: np.random.Generator) -> Floats:
     """Factors [rooms, 3] of a room's sides, evenly spread over +-5 % (a Latin hypercube).
 
-    >>> factors = drawn_sides(10, np.random.default_rng(1))
+    >>> factors = draw_sides(10, np.random.default_rng(1))
     >>> bool(((factors > 0.95) & (factors < 1.05)).all()), factors.mean(axis=0).round(2).tolist()
     (True, [1.0, 1.0, 1.0])
     """
@@ -349,11 +349,11 @@ def drawn_sides(rooms: int, rng: np.random.Generator) -> Floats:
     return np.asarray(1.0 - SIDES + 2.0 * SIDES * (ranks + rng.random((rooms, 3))) / rooms)
 
 
-def drawn_receivers(size: Floats, receivers: int, sets: int, rng: np.random.Generator) -> Floats:
+def draw_receivers(size: Floats, receivers: int, sets: int, rng: np.random.Generator) -> Floats:
     """Places of microphones [sets, receivers, 3] in a room of a size [3] [m]: 0.5 m from its walls and floor, 1 m from
     its ceiling; the receivers of all sets are at the same heights.
 
-    >>> spots = drawn_receivers(np.array([5.0, 4.0, 2.5]), 4, 6, np.random.default_rng(1))
+    >>> spots = draw_receivers(np.array([5.0, 4.0, 2.5]), 4, 6, np.random.default_rng(1))
     >>> spots.shape, bool((spots > 0.5).all()), bool((spots < [4.5, 3.5, 1.5]).all())
     ((6, 4, 3), True, True)
     """
@@ -364,15 +364,15 @@ def drawn_receivers(size: Floats, receivers: int, sets: int, rng: np.random.Gene
     return np.asarray(low + spots * (high - low))
 
 
-def drawn_drops(
+def draw_drops(
     studies: Sequence[Study], places: Places, basis: ModalBasis, sets: int, rng: np.random.Generator
 ) -> list[list[Floats]] | None:
     """For each set, for each drop, rows [h, k] of all modes where its bodies strike a floor: each drop moved as it is,
     0.5 m from the edges of its rectangle; None where something else than these bodies acts, or the floor is no
     rectangle."""
-    struck = [_struck(study) for study in studies]
-    known = [one for one in struck if one is not None]
-    if len(known) < len(struck):
+    targets = [_struck(study) for study in studies]
+    known = [one for one in targets if one is not None]
+    if len(known) < len(targets):
         return None
     found: list[list[Floats]] = []
     for _ in range(sets):
@@ -445,12 +445,12 @@ def ensemble_findings(rated: RatedRoom) -> tuple[Finding, ...]:
     if not off:
         return ()
     worst = max(off, key=lambda band: abs(off[band]))
-    told = ", ".join(f"{band:g} Hz by {above:+.1f} dB" for band, above in off.items())
+    listed = ", ".join(f"{band:g} Hz by {above:+.1f} dB" for band, above in off.items())
     return (
         Finding(
             "band-of-one-room",
             f"levels of this room and these places differ from the mean of {rated.ensemble.rooms} rooms with sides "
-            f"within 5 % and of other {rated.ensemble.moved}: {told}. Nine measurements of ten are nearer to that "
+            f"within 5 % and of other {rated.ensemble.moved}: {listed}. Nine measurements of ten are nearer to that "
             "mean: use it",
             {"bands": len(off), "worst_hz": worst, "worst_db": off[worst], "rooms": rated.ensemble.rooms},
         ),
@@ -487,7 +487,7 @@ def low_bands(plan: RoomPlan, method: Method, end_hz: float) -> dict[float, floa
     t60 = t60_of(plan.room.losses, method.bands_hz[0])
     top = min(HIGHEST_HZ * 10**0.01, single_modes_hz(t60, plan.room.volume)) if isfinite(t60) else 0.0
     end = plan.heard_to_hz(end_hz)
-    return {b: centre for b, centre in centres.items() if centre <= top and filtered(centre, end, method.fraction)}
+    return {b: centre for b, centre in centres.items() if centre <= top and passes_below(centre, end, method.fraction)}
 
 
 def room_ensembles(drops: Drops, places: Places, basis: ModalBasis) -> dict[str, Ensemble]:
@@ -500,7 +500,7 @@ def room_ensembles(drops: Drops, places: Places, basis: ModalBasis) -> dict[str,
             continue
         bands = low_bands(plan, method, basis.complete_below_hz)
         placed = placed_room(plan, places.surfaces)
-        if bands and not all(at_rest(one, placed) for one in drops.responses.values()):
+        if bands and not all(is_at_rest(one, placed) for one in drops.responses.values()):
             found[plan.name] = _ensemble(plan, method, bands, drops, places, basis)
     return found
 
@@ -510,12 +510,12 @@ def _ensemble(
 ) -> Ensemble:
     rng = np.random.default_rng(13)
     placed = placed_room(plan, places.surfaces)
-    rows = drawn_drops(list(drops.studies.values()), places, basis, plan.ensemble * SETS, rng)
+    rows = draw_drops(list(drops.studies.values()), places, basis, plan.ensemble * SETS, rng)
     window = _machine_runs(method, drops) if rows is None else None
     s = _lines(plan, method, bands, basis, window)
     (surface,) = placed.shapes(basis)
     modes = np.flatnonzero(basis.frequency_hz <= MODES_UP_TO * float(s[-1].imag) / (2 * np.pi))
-    found = coupled(basis, modes)
+    found = coupled_oscillators(basis, modes)
     if found is not None:  # air of cavities, frames of wool and their heat do not move the room's surface
         modes = modes[surface.shapes[:, modes].any(axis=0)]
     surface = SurfaceShapes(surface.points, surface.weights, surface.shapes[:, modes])
@@ -524,14 +524,14 @@ def _ensemble(
     )
     every = BETWEEN_BLOWS if window is None else window[1] - window[0]
     members, corrections = [], []
-    for factors in drawn_sides(plan.ensemble, rng):
+    for factors in draw_sides(plan.ensemble, rng):
         room = plan.room.varied(factors)
         assert room is not None, "seen before"
-        ways = _ways(room, plan.room, surface, s, len(plan.receivers), rng)
+        transfers = _ways(room, plan.room, surface, s, len(plan.receivers), rng)
         t60 = {band: t60_of(room.losses, band) for band in method.bands_hz}
         flat = dict.fromkeys(method.bands_hz, 0.0)
         correction = flat if method.correct is None else method.correct(flat, room.volume, t60)
-        for receivers in ways:
+        for receivers in transfers:
             members.append(_member(receivers, next(motions), s, bands, method, every))
             corrections.append(list(correction.values()))
     whole = np.full((len(members), len(method.bands_hz)), np.nan)
@@ -542,7 +542,7 @@ def _ensemble(
 def _machine_runs(method: Method, drops: Drops) -> tuple[float, float] | None:
     """From when to when a tapping machine's sound is averaged [s] where its blows overlap; None for single blows."""
     study = next(iter(drops.studies.values()))
-    return None if method.blows == "heavy" or apart(study) else running(study)
+    return None if method.blows == "heavy" or blow_interval(study) else averaging_window(study)
 
 
 def _lines(
@@ -578,7 +578,7 @@ def _motions(
     window: tuple[float, float] | None,
 ) -> tuple[Iterator[list[Complexes]], str]:
     """For every set of places, for each drop, spectra of the modal rates of its blows [h, k, nf], one set after the
-    other; what is drawn anew. rows : of `drawn_drops`. window : of a machine that runs on [s]."""
+    other; what is drawn anew. rows : of `draw_drops`. window : of a machine that runs on [s]."""
     studies = list(drops.studies.values())
     runs = list(drops.responses.values())
     if rows is None:
@@ -602,7 +602,7 @@ def _as_simulated(
     are apart, or that of all blows in the window [s] of one that runs on."""
     if window is not None:
         return simulated_rates(run, modes, s, window[0], window[1] - window[0])[None]
-    alone = apart(study)
+    alone = blow_interval(study)
     starts = {blow.body: blow.t for blow in reversed(run.blows)} if alone else {}
     lasts = alone if alone else run.clock.duration
     return np.stack([simulated_rates(run, modes, s, start, lasts) for start in starts.values() or (0.0,)])
@@ -620,13 +620,13 @@ def _ways(
     is, above all places."""
     shift = np.asarray(room.middle) - np.asarray(nominal.middle)
     moved = SurfaceShapes(surface.points + shift, surface.weights, surface.shapes)
-    spots = drawn_receivers(2.0 * np.asarray(room.middle) * np.array([1.0, 1.0, 0.5]), receivers, SETS, rng)
-    ways = room.ways(moved, spots.reshape(-1, 3), s)
-    return list(ways.reshape(SETS, receivers, *ways.shape[1:]))
+    spots = draw_receivers(2.0 * np.asarray(room.middle) * np.array([1.0, 1.0, 0.5]), receivers, SETS, rng)
+    transfers = room.transfers(moved, spots.reshape(-1, 3), s)
+    return list(transfers.reshape(SETS, receivers, *transfers.shape[1:]))
 
 
 def _member(
-    ways: Complexes,
+    transfers: Complexes,
     motion: Sequence[Complexes],
     s: Complexes,
     bands: Mapping[float, float],
@@ -637,7 +637,7 @@ def _member(
     tapping machine stands [s]."""
     places = []
     for rates in motion:
-        spectra = np.einsum("rkf,hkf->rhf", ways, rates, optimize=True)
+        spectra = np.einsum("rkf,hkf->rhf", transfers, rates, optimize=True)
         flat = spectra.reshape(-1, len(s))
         if method.blows == "heavy":
             squares = largest_fast(flat, s, bands, method.fraction).reshape(*spectra.shape[:2], -1)
@@ -668,16 +668,16 @@ def _filled(rated: RatedRoom, beside: Agreement | None) -> tuple[Finding, ...]:
         return ()
     scatter = [statistical.scatter_db[band] for band in bands]
     few = [band for band in bands if statistical.modes[band] < MANY]
-    told = f"; the plate has fewer than {MANY:g} modes in those up to {max(few):g} Hz" if few else ""
+    remark = f"; the plate has fewer than {MANY:g} modes in those up to {max(few):g} Hz" if few else ""
     agreed = "no comparison of modes and statistics is possible: no band has both with enough modes"
     if beside is not None:
         agreed = f"where modes and statistics can be compared: {_beside(beside)}"
     return (
         Finding(
             "statistical-bands",
-            f"the rated {rated.method.bands}s {spelt(bands)} lie beyond the modes and are from statistical energies of "
-            f"plate and room: a single floor differs from them by {min(scatter):.1f} to {max(scatter):.1f} dB "
-            f"(standard deviation){told}; {agreed}",
+            f"the rated {rated.method.bands}s {bands_in_words(bands)} lie beyond the modes and are from statistical "
+            f"energies of plate and room: a single floor differs from them by {min(scatter):.1f} to "
+            f"{max(scatter):.1f} dB (standard deviation){remark}; {agreed}",
             {
                 "bands": len(bands),
                 "first_hz": bands[0],
@@ -703,10 +703,10 @@ def _beside(beside: Agreement) -> str:
     return f"modal levels are {beside.mean_db:+.1f} dB above statistical ones on the mean of {bands}{scatter}"
 
 
-def spelt(bands: Sequence[float]) -> str:
+def bands_in_words(bands: Sequence[float]) -> str:
     """Bands in words.
 
-    >>> spelt((250.0, 315.0, 400.0)), spelt((500.0,))
+    >>> bands_in_words((250.0, 315.0, 400.0)), bands_in_words((500.0,))
     ('250 to 400 Hz', '500 Hz')
     """
     return f"{bands[0]:g} to {bands[-1]:g} Hz" if len(bands) > 1 else f"{bands[0]:g} Hz"

@@ -20,7 +20,7 @@ from acoustics.losses import DECAY_OF_T60, single_modes_hz
 from acoustics.room_response import RoomResponse
 from acoustics.rooms.room_advice import t60_missed
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, some_of
+from femstruct.errors import Finding, list_some
 from femstruct.impact.scene import BETWEEN_BLOWS, HAMMERS, TAPPING_MACHINE
 from femstruct.modal.basis import ModalBasis
 from femstruct.model.structure import Structure
@@ -58,20 +58,22 @@ def band_levels(
     """
     if method.blows == "heavy":
         return [one.octaves_db if method.fraction == 1 else one.bands_db for one in levels]
-    since, until = running(study)
+    since, until = averaging_window(study)
     samples = round(until / whole.dt)
-    more = 10 * log10((until - since) / TURN_S) if apart(study) else 0.0  # ten blows a second instead of five in all
+    more = (
+        10 * log10((until - since) / TURN_S) if blow_interval(study) else 0.0
+    )  # ten blows a second instead of five in all
     found = [equivalent_levels(p[:samples], whole.dt, since, method.fraction, end_hz) for p in whole.p]
     return [{band: level + more for band, level in one.items()} for one in found]
 
 
-def apart(study: Study) -> float:
+def blow_interval(study: Study) -> float:
     """Time between the blows of a tapping machine whose blows are uncorrelated [s]; 0 for any other."""
     alone = [body.blows for body in study.bodies if body.source == TAPPING_MACHINE and body.blows and body.blows.alone]
     return study.time.duration / HAMMERS if alone and study.time is not None else 0.0
 
 
-def running(study: Study) -> tuple[float, float]:
+def averaging_window(study: Study) -> tuple[float, float]:
     """From when to when the sound of a tapping machine is averaged [s]: whole turns of its hammers, the later half; of
     blows that are apart all of it.
 
@@ -82,7 +84,7 @@ def running(study: Study) -> tuple[float, float]:
     blows exactly 0.1 s apart have lines at multiples of 10 Hz, which meet single modes or miss them.
     """
     assert study.time is not None
-    if apart(study):
+    if blow_interval(study):
         return 0.0, study.time.duration
     count = max(body.blows.count if body.blows else 1 for body in study.bodies if body.source == TAPPING_MACHINE)
     turns = min(count, int(study.time.duration / TURN_S + 1e-9))
@@ -133,7 +135,7 @@ def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice
     return (
         *found,
         *_other_blows(method, study),
-        *(_building_up(plan, method, study) if method.blows == "tapping" and not apart(study) else ()),
+        *(_building_up(plan, method, study) if method.blows == "tapping" and not blow_interval(study) else ()),
     )
 
 
@@ -143,25 +145,27 @@ def overlap_findings(plan: RoomPlan, study: Study, basis: ModalBasis) -> tuple[F
     basis : damped.
     """
     method = method_for(plan, study)
-    return _overlapping(plan, method, study, basis) if method is not None and apart(study) else ()
+    return _overlapping(plan, method, study, basis) if method is not None and blow_interval(study) else ()
 
 
 def _other_blows(method: Method, study: Study) -> tuple[Finding, ...]:
     """A rating of something else than the one source that the standards rate."""
     tapping = method.blows == "tapping"
-    wanted, count = method.source, HAMMERS if tapping else 1
-    struck = [body for body in study.bodies if body.speed and body.side == "above"]
-    others = [body.source or body.name for body in struck if body.source != wanted]
-    here = len(struck) - len(others)
+    standard_source, count = method.source, HAMMERS if tapping else 1
+    impacting = [body for body in study.bodies if body.speed and body.side == "above"]
+    others = [body.source or body.name for body in impacting if body.source != standard_source]
+    here = len(impacting) - len(others)
     pushed = [load.name for load in study.loads] + [walker.name for walker in study.walks]
     if not others and here == count and not pushed:
         return ()
-    told = some_of(dict.fromkeys([*others, *pushed]))
-    one = f"one {wanted} with five hammers" if tapping else f"one {wanted}"
+    listed = list_some(dict.fromkeys([*others, *pushed]))
+    one = f"one {standard_source} with five hammers" if tapping else f"one {standard_source}"
     if not tapping and TAPPING_MACHINE in sources_of(method.standards):
         one += f" or a {TAPPING_MACHINE}"
-    what = "hammers" if tapping else f"{wanted}s"
-    here_are = f"{here} {what}{' and ' + told if told else ''} strike" if here else f"the source is {told or 'missing'}"
+    what = "hammers" if tapping else f"{standard_source}s"
+    here_are = (
+        f"{here} {what}{' and ' + listed if listed else ''} strike" if here else f"the source is {listed or 'missing'}"
+    )
     elsewhere = rating_of(others[0]) if len(others) == 1 and not here else ()
     here_are += f", for {' or '.join(elsewhere)}" if elsewhere and not set(elsewhere) & set(method.standards) else ""
     return (
@@ -181,25 +185,30 @@ def _overlapping(plan: RoomPlan, method: Method, study: Study, basis: ModalBasis
     rated = (basis.frequency_hz >= lowest) & (np.array(basis.kind) == "elastic")
     decay = np.diag(basis.time_damping)[rated].min(initial=inf)  # of a mode's energy [1/s]
     floor_t60 = 6 * log(10) / decay if decay > 0 else inf
-    fallen, least = 60 * apart(study) / max(t60, floor_t60), HAMMERS * max(t60, floor_t60) * FALLEN_DB / 60
+    fallen, least = 60 * blow_interval(study) / max(t60, floor_t60), HAMMERS * max(t60, floor_t60) * FALLEN_DB / 60
     if fallen >= FALLEN_DB:
         return ()
-    whose = "room" if t60 >= floor_t60 else "floor"
+    decaying = "room" if t60 >= floor_t60 else "floor"
     enough = f"'time: {{duration: {least:.2g} s}}'" if isfinite(least) else "a 'damping', without which it never decays"
     return (
         Finding(
             "blows-overlap",
-            f"uncorrelated blows are {apart(study):.3g} s apart; the sound of the {whose}, with a reverberation time "
-            f"of {max(t60, floor_t60):.2g} s, decays by {fallen:.0f} dB between them; {FALLEN_DB:g} dB are needed "
-            f"for an error below 0.1 dB. Give the study {enough}",
-            {"apart_s": apart(study), "fallen_db": fallen, "wanted_db": FALLEN_DB, "t60_s": max(t60, floor_t60)},
+            f"uncorrelated blows are {blow_interval(study):.3g} s apart; the sound of the {decaying}, with a "
+            f"reverberation time of {max(t60, floor_t60):.2g} s, decays by {fallen:.0f} dB between them; "
+            f"{FALLEN_DB:g} dB are needed for an error below 0.1 dB. Give the study {enough}",
+            {
+                "apart_s": blow_interval(study),
+                "fallen_db": fallen,
+                "wanted_db": FALLEN_DB,
+                "t60_s": max(t60, floor_t60),
+            },
         ),
     )
 
 
 def _building_up(plan: RoomPlan, method: Method, study: Study) -> tuple[Finding, ...]:
     """A tapping machine that has not run long enough for the room to fill with sound before levels are averaged."""
-    since, until = running(study)
+    since, until = averaging_window(study)
     t60 = max(plan.room.t60(band, method.fraction) for band in method.bands_hz)
     missing = -10 * log10(1 - 10 ** (-6 * since / t60)) if since else float("inf")
     if missing <= BUILT_UP_DB:
@@ -242,7 +251,7 @@ class ModePairs:
     motion: Floats
 
 
-def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalBasis) -> tuple[Finding, ...]:
+def coincidence_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalBasis) -> tuple[Finding, ...]:
     """Findings on a rated room: its volume, floating floors in its bands, and floor modes that meet its own modes; and
     on any room what one-way coupling leaves out where they do.
 
@@ -253,10 +262,10 @@ def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalB
     method = method_for(plan, study)
     if method is None:
         return left_out
-    found = [*_volume(plan, method), *floating(study.structure, method.bands_hz)]
-    meet = meetings(pairs)
+    found = [*_volume(plan, method), *floating_floors(study.structure, method.bands_hz)]
+    meet = modal_coincidences(pairs)
     if meet:
-        told = ", ".join(
+        listed = ", ".join(
             f"{floor:.1f} Hz of the floor and {room:.1f} Hz of the room" for floor, room, _ in meet[:MOST_PAIRS_NAMED]
         )
         more = f", and {len(meet) - MOST_PAIRS_NAMED} more" if len(meet) > MOST_PAIRS_NAMED else ""
@@ -264,7 +273,7 @@ def meeting_findings(plan: RoomPlan, study: Study, placed: Placed, basis: ModalB
             Finding(
                 "floor-room-resonance",
                 f"natural frequencies of floor and room lie within each other's bandwidths, with similar shapes on the "
-                f"ceiling: {told}{more}. A few hertz in either frequency change the levels of their third "
+                f"ceiling: {listed}{more}. A few hertz in either frequency change the levels of their third "
                 f"octaves{_exchanged(pairs) if plan.coupling == 'one-way' else ''}",
                 {
                     "pairs": len(meet),
@@ -333,7 +342,7 @@ def _no_pairs() -> ModePairs:
     return ModePairs(np.zeros(0), np.zeros(0), none.astype(bool), none, none, np.zeros(0))
 
 
-def meetings(pairs: ModePairs) -> list[tuple[float, float, float]]:
+def modal_coincidences(pairs: ModePairs) -> list[tuple[float, float, float]]:
     """Modes of the floor that move the ceiling and modes of the room that meet: (floor [Hz], room [Hz], likeness of
     shapes [1]), by frequency."""
     meets = pairs.near & (pairs.likeness >= MIN_SHAPE_CORRELATION) & (pairs.motion >= MOVES)[:, None]
@@ -374,7 +383,7 @@ def _exchanged(pairs: ModePairs) -> str:
     return f", and one-way coupling makes them up to {band:.1f} dB too high"
 
 
-def floating(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Finding]:
+def floating_floors(structure: StructureModel, bands_hz: tuple[float, ...]) -> list[Finding]:
     """Plates that float on others with a resonance up to the last of the bands: two masses per area on a spring per
     area, f0 = sqrt(s (1 / m1 + 1 / m2)) / 2 pi.
 

@@ -11,16 +11,16 @@ import numpy as np
 import scipy
 
 from acoustics.room_response import RoomResponse
-from acoustics.rooms.box_pressure import extended, fast_length
+from acoustics.rooms.box_pressure import extend_to_rest, fast_length
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import GRAVITY
 from femstruct.elements.stresses import von_mises
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.evaluations.evaluation import Evaluation, Quoted
 from femstruct.evaluations.known_evaluations import EVALUATIONS
 from femstruct.impact.fatigue import Fatigue, SNLine, counted, counted_on_planes, most_damaged
-from femstruct.impact.resampled import CLOSER, ENOUGH, FOLDED, averaged, closer, last_mode_hz
-from femstruct.impact.response import ContactHistory, Event, Response, on_the_ground, passed_on
+from femstruct.impact.resampled import ENOUGH, FOLDED, SAMPLES_OF_A_PERIOD, average_motion, last_mode_hz, resample
+from femstruct.impact.response import ContactHistory, Event, Response, ground_contact_force, transmitted_share
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.statics import UP
@@ -32,7 +32,7 @@ from femstruct.study.asked import FatigueRequest, PeakRule, Record, RoomPlan
 from femstruct.study.recorded import GROUND_WITH_WEIGHT, NET_FORCE, Channel, LargestStress
 from femstruct.study.structures import ModesModel
 from femstruct.study.study import Study
-from femstruct.units import readable
+from femstruct.units import readable_unit
 from femstruct.workflow.bases import Places, axis_of, planned_contacts, weighs, weight_of_bodies
 from femstruct.workflow.staging import ordered
 
@@ -77,7 +77,7 @@ def closings(response: Response) -> list[Event]:
     return [event for event in response.events if event.what == "closes" and event.contact not in clamps]
 
 
-def first_alone(response: Response, window: float) -> Response | None:
+def run_first_impact(response: Response, window: float) -> Response | None:
     """The same scene up to the end of the first impact alone, on a grid that shows its pulses, where that of the run
     need not: it follows those of the largest forces, which come later. None where they do not, or nothing struck.
 
@@ -86,13 +86,13 @@ def first_alone(response: Response, window: float) -> Response | None:
     later = any(one.peak_time > window for one in response.contacts.values())
     if not later or not any(0.0 <= event.t < window for event in closings(response)):
         return None
-    asked = response.clock
-    sampling = float(np.ceil(window * asked.sampling)) / window  # so that it ends with the window
-    run = simulate(response.basis, response.scene, replace(asked, duration=window, sampling=sampling))
-    return closer(run) or run
+    clock = response.clock
+    sampling = float(np.ceil(window * clock.sampling)) / window  # so that it ends with the window
+    run = simulate(response.basis, response.scene, replace(clock, duration=window, sampling=sampling))
+    return resample(run) or run
 
 
-def beyond(response: Response, rule: PeakRule) -> Response:
+def continue_after_window(response: Response, rule: PeakRule) -> Response:
     """The same run and what comes after its window, as far ahead as a low-pass looks: what still vibrates at the end
     goes on, and a filter that took it to stop there would ring."""
     assert rule.lowpass_hz is not None
@@ -102,7 +102,7 @@ def beyond(response: Response, rule: PeakRule) -> Response:
     return simulate(response.basis, response.scene, replace(clock, duration=duration))
 
 
-def raised(peaks: tuple[float, float], values: Floats) -> tuple[float, float]:
+def raise_peaks(peaks: tuple[float, float], values: Floats) -> tuple[float, float]:
     """Peaks in the first impact and in the whole record, and at least those of values in the first impact."""
     first = float(np.abs(values).max(initial=0.0))
     return max(peaks[0], first), max(peaks[1], first)
@@ -122,7 +122,7 @@ def in_band(values: Floats, sampling: float, band: tuple[float, float], before: 
     """Histories [.., nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass if one is 0.
 
     before : what they were before the start; nothing, of a structure at rest. After the end they keep their last value:
-    of what still changes there, give what follows (`beyond`) and leave its end out.
+    of what still changes there, give what follows (`continue_after_window`) and leave its end out.
 
     Notes
     -----
@@ -179,7 +179,7 @@ class Peaks:
         return whole if contact.peak_time <= self.window else first, whole
 
 
-def between(pressure: Floats, response: Response) -> tuple[Floats, int]:
+def refine_pressure(pressure: Floats, response: Response) -> tuple[Floats, int]:
     """A pressure [nt] on a finer grid where its samples are coarse, and by what factor: it has nothing above the last
     mode, so its samples say what lies between them; nan where they do not."""
     last, sampling = last_mode_hz(response.basis), response.clock.sampling
@@ -187,10 +187,10 @@ def between(pressure: Floats, response: Response) -> tuple[Floats, int]:
         return pressure, 1
     if sampling < FOLDED * last:
         return np.full_like(pressure, nan), 1
-    factor = int(np.ceil(CLOSER * last / sampling))
+    factor = int(np.ceil(SAMPLES_OF_A_PERIOD * last / sampling))
     count = len(pressure)
     length = fast_length(2 * count)
-    fine = scipy.fft.irfft(scipy.fft.rfft(extended(pressure[None], length)[0]), factor * length)[: factor * count]
+    fine = scipy.fft.irfft(scipy.fft.rfft(extend_to_rest(pressure[None], length)[0]), factor * length)[: factor * count]
     return np.asarray(factor * fine, dtype=np.float64), factor
 
 
@@ -214,7 +214,7 @@ class Walked(NamedTuple):
     sample: Integers
 
 
-def walked(places: StressPlaces, shapes: Floats, q: Floats) -> Walked:
+def walk_stresses(places: StressPlaces, shapes: Floats, q: Floats) -> Walked:
     """The equivalent stress of von Mises over time.
 
     shapes [node, 7, k] : mass-normalised; q [k, nt] : modal coordinates.
@@ -243,13 +243,13 @@ def largest_stress(places: StressPlaces, response: Response, q: Floats) -> tuple
 
     q [k, nt] : the modal coordinates of the response, filtered or not.
     """
-    found = walked(places, response.basis.shapes, q)
+    found = walk_stresses(places, response.basis.shapes, q)
     times = response.t[found.sample]
     then = q[:, found.sample[int(found.largest.argmax())]]
     return found.history, judged(places, response.basis.shapes, found.largest, _at(places, then), times)
 
 
-def stressed_at(places: StressPlaces, place: int, response: Response, q: Floats) -> LargestStress:
+def stress_at_place(places: StressPlaces, place: int, response: Response, q: Floats) -> LargestStress:
     """The largest equivalent stress of one place alone, which counts for the most stressed one, and how well the mesh
     resolves it there. q [k, nt] : the modal coordinates of the response."""
     shapes = response.basis.shapes
@@ -312,14 +312,14 @@ def orthotropic_findings(structure: object, names: Iterable[str]) -> Iterator[Fi
     """Parts of these names whose material has no equivalent stress that tells its strength. structure : with parts, or
     in closed form."""
     parts = structure.parts if isinstance(structure, Structure) else ()
-    wanted = set(names)
+    chosen = set(names)
     for part in parts:
         made_of = [one.name for one in part.materials() if isinstance(one, Orthotropic)]
-        if part.name in wanted and made_of:
+        if part.name in chosen and made_of:
             yield Finding(
                 "stress-of-orthotropic",
                 f"{part.name}: do not judge its strength by the stress of von Mises, which supposes a metal: "
-                f"{some_of(made_of)} is orthotropic, with strengths of its own along and across its axes. Look at "
+                f"{list_some(made_of)} is orthotropic, with strengths of its own along and across its axes. Look at "
                 f"xx, yy and xy along them: 'frf --response {part.name}.stress' prints them where it is stressed most",
             )
 
@@ -378,38 +378,38 @@ def record(study: Study, places: Places, response: Response, rooms: Mapping[str,
 
     Raises InputError when a record names something that has no such quantity.
     """
-    seen, kept = closer(response), histories(study, places, response)
+    seen, kept = resample(response), histories(study, places, response)
     pressures = {
         name: one
         for plan in study.rooms
         if plan.name in rooms
         for name, one in _pressures(plan, rooms[plan.name]).items()
     }
-    stresses = {str(wanted): wanted.target for wanted in study.records if wanted.what == STRESS}
+    stresses = {str(request): request.target for request in study.records if request.what == STRESS}
     if seen is None:
         return _without_peaks(study, places, response, kept | pressures, stresses)
     plain = study.peaks.lowpass_hz is None
-    onward = seen if plain else beyond(seen, study.peaks)
-    moves = onward if plain else averaged(onward)
+    onward = seen if plain else continue_after_window(seen, study.peaks)
+    moves = onward if plain else average_motion(onward)
     fine = kept if moves is response else kept | histories(study, places, moves)
     peaks = Peaks(study.peaks, seen.clock.sampling, first_window(study.peaks, seen), len(seen.t))
-    alone = first_alone(seen, peaks.window)
+    alone = run_first_impact(seen, peaks.window)
     moving = alone if plain else None  # a filter needs what comes later
-    rest = before_start(study, places, seen)
-    found = {name: peaks.of(fine[name][0], rest.get(name, AT_REST)) for name in kept}
+    before = before_start(study, places, seen)
+    found = {name: peaks.of(fine[name][0], before.get(name, AT_REST)) for name in kept}
     if moving is not None:
-        found = {n: raised(found[n], values) for n, (values, _) in histories(study, places, moving).items()}
+        found = {n: raise_peaks(found[n], values) for n, (values, _) in histories(study, places, moving).items()}
     for name, one in _contacts(study, seen).items():
         found[name] = peaks.of_contact(fine[name][0], seen.contacts[one])
         if alone is not None:
-            found[name] = raised(found[name], np.array([alone.contacts[one].peak_force]))
+            found[name] = raise_peaks(found[name], np.array([alone.contacts[one].peak_force]))
     of_pressures, silent = _peaks_of_pressures(pressures, response, peaks)
     found |= of_pressures
     channels = {
         name: Channel(name, values, unit, *found[name], silent_after=silent.get(name))
         for name, (values, unit) in (kept | pressures).items()
     }
-    for name, pair in _peaks_by_modes(study, places, moves, moving, peaks, rest).items():
+    for name, pair in _peaks_by_modes(study, places, moves, moving, peaks, before).items():
         channels[name] = replace(channels[name], by_modes=pair)
     if stresses:
         channels |= _stresses(stresses, study.peaks, places, _Motions(response, seen, onward, moving))
@@ -431,7 +431,7 @@ def _without_peaks(
     found = dict(kept)
     for name, part in stresses.items():
         rows = places.stresses(part, f"record.{part}")
-        found[name] = walked(rows, response.basis.shapes, response.q).history, UNITS[STRESS]
+        found[name] = walk_stresses(rows, response.basis.shapes, response.q).history, UNITS[STRESS]
     told = _known_without_samples(study, response)
     blank = (nan, nan)
     return {name: Channel(name, values, unit, *told.get(name, blank)) for name, (values, unit) in found.items()}
@@ -447,7 +447,7 @@ def _peaks_of_pressures(
     found: _Pairs = {}
     silent: _Pairs = {}
     for name, (pressure, _) in pressures.items():
-        values, factor = between(pressure, response)
+        values, factor = refine_pressure(pressure, response)
         heard = replace(peaks, sampling=factor * response.clock.sampling, count=values.shape[-1])
         found[name] = heard.of(values)
         if peaks.rule.lowpass_hz is not None:
@@ -470,8 +470,8 @@ def _peaks_by_modes(
     true = np.array([kind != "residual" for kind in moves.basis.kind])
     found: _Pairs = {}
     for name, (what, row) in motion_rows(study, places, moves.basis).items() if not true.all() else ():
-        pair = peaks.of(moved(moves, what, row * true), rest.get(name, AT_REST))
-        found[name] = pair if first is None else raised(pair, moved(first, what, row * true))
+        pair = peaks.of(row_motion(moves, what, row * true), rest.get(name, AT_REST))
+        found[name] = pair if first is None else raise_peaks(pair, row_motion(first, what, row * true))
     return found
 
 
@@ -488,7 +488,7 @@ class _Motions(NamedTuple):
     alone: Response | None
 
 
-def _stresses(wanted: Mapping[str, str], rule: PeakRule, places: Places, motions: _Motions) -> dict[str, Channel]:
+def _stresses(parts: Mapping[str, str], rule: PeakRule, places: Places, motions: _Motions) -> dict[str, Channel]:
     """Histories of the largest equivalent stress of parts, by channel, with their peaks. What is filtered is the
     motion: the stress of von Mises of a filtered motion is one, a filtered stress of von Mises is not."""
     seen, alone = motions.seen, motions.alone
@@ -501,14 +501,14 @@ def _stresses(wanted: Mapping[str, str], rule: PeakRule, places: Places, motions
 
     def largest(history: Floats, rows: StressPlaces, shapes: Floats) -> tuple[float, float]:
         pair = float(history[early].max(initial=0.0)), float(history.max())
-        return pair if alone is None else raised(pair, walked(rows, shapes, alone.q).history)
+        return pair if alone is None else raise_peaks(pair, walk_stresses(rows, shapes, alone.q).history)
 
     found: dict[str, Channel] = {}
-    for name, part in wanted.items():
+    for name, part in parts.items():
         rows = places.stresses(part, f"record.{part}")
         peaks, stressed = largest_stress(rows, seen, q)
-        values = peaks if kept is q else walked(rows, shapes, kept).history
-        by_modes = None if true.all() else largest(walked(rows, shapes * true, q).history, rows, shapes * true)
+        values = peaks if kept is q else walk_stresses(rows, shapes, kept).history
+        by_modes = None if true.all() else largest(walk_stresses(rows, shapes * true, q).history, rows, shapes * true)
         found[name] = Channel(name, values, UNITS[STRESS], *largest(peaks, rows, shapes), by_modes, stressed)
     return found
 
@@ -517,9 +517,9 @@ def histories(study: Study, places: Places, response: Response) -> dict[str, tup
     """What a study records of the motion and of forces, and the net forces, by channel: values [nt] and their unit.
     Stresses are no sums of modes and are not among them."""
     found: dict[str, tuple[Floats, str]] = {}
-    for wanted in study.records:
-        if wanted.what != STRESS:
-            found |= _recorded(wanted, study, places, response)
+    for request in study.records:
+        if request.what != STRESS:
+            found |= _recorded(request, study, places, response)
     if (weight := _limited_weight(study, response.basis)) is not None:
         found[GROUND_WITH_WEIGHT] = (found["ground force"][0] - weight, "N")  # z is up: a negative force on the ground
     return found | {f"{NET_FORCE}{name}": (force, "N") for name, force in _net_forces(study, places, response).items()}
@@ -555,11 +555,13 @@ def before_start(study: Study, places: Places, response: Response) -> dict[str, 
         for name, (what, row) in motion_rows(study, places, response.basis).items():
             speed = float(row @ flown)
             found[name] = {"displacement": Before(0.0, speed), "velocity": Before(speed)}.get(what, AT_REST)
-    for wanted in study.records:
-        if wanted.what == "force" and wanted.target in pressed:
-            found[str(wanted)] = Before(pressed[wanted.target])
-        elif wanted.target in response.bodies and (before := _body_before(wanted, study, places, response)) is not None:
-            found[str(wanted)] = before
+    for request in study.records:
+        if request.what == "force" and request.target in pressed:
+            found[str(request)] = Before(pressed[request.target])
+        elif (
+            request.target in response.bodies and (before := _body_before(request, study, places, response)) is not None
+        ):
+            found[str(request)] = before
     if (weight := _limited_weight(study, response.basis)) is not None:
         found[GROUND_WITH_WEIGHT] = Before(-weight)
     for name, contact, sign in _touched(study, places, response):
@@ -611,9 +613,9 @@ def refuse_absent_forces(study: Study, basis: ModalBasis) -> None:
     pairs |= {link.name: link.between for link in study.links}
     on_ground = any(GROUND in between for between in pairs.values())
     rows = {name.rpartition(".")[0] for name in basis.outputs}
-    for wanted in study.records:
-        target = wanted.target
-        if wanted.what != "force" or target in pairs or target in rows or (target == GROUND and on_ground):
+    for request in study.records:
+        target = request.target
+        if request.what != "force" or target in pairs or target in rows or (target == GROUND and on_ground):
             continue
         if target != GROUND:
             expected, do = "a part, joint or support that carries a force", "record another one"
@@ -639,31 +641,31 @@ def _known_without_samples(study: Study, response: Response) -> dict[str, tuple[
     return {name: (c.peak_force if c.peak_time <= end else nan, c.peak_force) for name, c in contacts.items()}
 
 
-def _recorded(wanted: Record, study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:
-    target, what, unit = wanted.target, wanted.what, UNITS[wanted.what]
+def _recorded(request: Record, study: Study, places: Places, response: Response) -> dict[str, tuple[Floats, str]]:
+    target, what, unit = request.target, request.what, UNITS[request.what]
     bodies = {body.name: body for body in study.bodies}
     if target in response.bodies:
         body = response.bodies[target]
         if what == "travel":
             placed_on = motion_of(bodies[target].target, study, places, response)
-            return {str(wanted): (body.displacement - placed_on, unit)}
+            return {str(request): (body.displacement - placed_on, unit)}
         if what in MOTIONS:
-            return {str(wanted): (getattr(body, what), unit)}
+            return {str(request): (getattr(body, what), unit)}
     if what == "force":
         if target in response.contacts:
-            return {str(wanted): (response.contacts[target].force, unit)}
+            return {str(request): (response.contacts[target].force, unit)}
         if target in response.links:
-            return {str(wanted): (response.links[target], unit)}
+            return {str(request): (response.links[target], unit)}
         rows = {
             axis: response.basis.outputs[key] for axis in AXES if (key := f"{target}.{axis}") in response.basis.outputs
         }
-        direct = on_the_ground(response) if target == GROUND else None
+        direct = ground_contact_force(response) if target == GROUND else None
         if rows or direct is not None:
             return _forces(target, rows, response, {} if direct is None else {axis_of(study): direct})
     name, _, direction = target.rpartition(".")
     if what in MOTIONS and name:
         row = places.point(name, f"record.{target}").probe(direction).of(response.basis.shapes)
-        return {str(wanted): (moved(response, what, row), unit)}
+        return {str(request): (row_motion(response, what, row), unit)}
     raise InputError(
         f"record.{target}",
         got=f"'{what}' of '{target}'",
@@ -676,15 +678,15 @@ def motion_rows(study: Study, places: Places, basis: ModalBasis) -> dict[str, tu
     """What a study records of the motion of points, by channel: which motion, and its modal row [k]."""
     rows: dict[str, tuple[str, Floats]] = {}
     bodies = {body.name for body in study.bodies}
-    for wanted in study.records:
-        name, _, direction = wanted.target.rpartition(".")
-        if wanted.what in MOTIONS and name and wanted.target not in bodies:
-            probe = places.point(name, f"record.{wanted.target}").probe(direction)
-            rows[str(wanted)] = (wanted.what, probe.of(basis.shapes))
+    for request in study.records:
+        name, _, direction = request.target.rpartition(".")
+        if request.what in MOTIONS and name and request.target not in bodies:
+            probe = places.point(name, f"record.{request.target}").probe(direction)
+            rows[str(request)] = (request.what, probe.of(basis.shapes))
     return rows
 
 
-def moved(response: Response, what: str, row: Floats) -> Floats:
+def row_motion(response: Response, what: str, row: Floats) -> Floats:
     """Displacement, velocity or acceleration of a row of modes [nt]."""
     return {"displacement": response.displacement, "velocity": response.velocity}.get(what, response.acceleration)(row)
 
@@ -694,7 +696,7 @@ def _forces(
 ) -> dict[str, tuple[Floats, str]]:
     """The vertical force under the plain name, and the horizontal ones that are more than the rounding of mode shapes
     beside the largest; beside : what else there is along an axis."""
-    found = {axis: _summed(response, row) + passed_on(response, row.direct) for axis, row in rows.items()}
+    found = {axis: _summed(response, row) + transmitted_share(response, row.direct) for axis, row in rows.items()}
     found |= {axis: force + found.get(axis, 0.0) for axis, force in beside.items()}
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)
     named = {f"{target} force": (found["z"], "N")} if "z" in found else {}
@@ -782,7 +784,7 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
             part = request.of.rpartition(" ")[0]
             everywhere, q = places.stresses(part, f"fatigue.{request.name}.of"), response.q
             place = most_damaged(everywhere.of(basis.shapes), q, everywhere.components, request.sn)
-            stressed = stressed_at(everywhere, place, response, q)
+            stressed = stress_at_place(everywhere, place, response, q)
             rows = everywhere.at(place)
             in_modes, names, where = rows.of(basis.shapes)[0], rows.components, stressed.where
             alone = None if true.all() else (in_modes * true) @ q
@@ -800,7 +802,7 @@ def fatigues(study: Study, channels: Mapping[str, Channel], places: Places, resp
             )
         else:
             what, row = motions.get(request.of, ("", None))
-            alone = None if row is None else moved(response, what, row * true)
+            alone = None if row is None else row_motion(response, what, row * true)
             one = counted(request.of, channel.unit, channel.values, request.sn, alone=alone)
         found[request.name] = replace(one, converged=converged(channel) and not _differs(one, request.sn))
     return found
@@ -828,17 +830,21 @@ def damage_findings(found: Mapping[str, Fatigue]) -> Iterator[Finding]:
     for name, one in found.items():
         if one.converged:
             continue
-        factor, unit = readable(one.unit, one.largest)
+        factor, unit = readable_unit(one.unit, one.largest)
         if one.damage is None:
-            told, alone, beside = f"largest range of {factor * one.largest:.4g} {unit}", one.largest_modes_alone, None
+            quantity, alone, beside = (
+                f"largest range of {factor * one.largest:.4g} {unit}",
+                one.largest_modes_alone,
+                None,
+            )
             others = [] if alone is None else [f"{factor * alone:.4g} {unit} without the residual vectors"]
         else:
-            told, alone, beside = f"damage of {one.damage:.3g}", one.damage_modes_alone, one.damage_beside
+            quantity, alone, beside = f"damage of {one.damage:.3g}", one.damage_modes_alone, one.damage_beside
             others = [] if alone is None else [f"{alone:.3g} without the residual vectors"]
             others += [] if beside is None else [f"{beside:.3g} with the smaller stress beside the most stressed place"]
         yield Finding(
             "damage-not-converged",
-            f"{name}: do not quote its {told}: {one.channel} changes with the modes or the mesh"
+            f"{name}: do not quote its {quantity}: {one.channel} changes with the modes or the mesh"
             f"{'. It is ' if others else ''}{', and '.join(others)}. Compute more modes, or "
             "a finer mesh where it is uneven. A low-pass of 'peaks' does not filter what is counted",
             {
@@ -880,7 +886,7 @@ def peak_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
         peak, alone = max(pairs, key=_apart)
         window = " in the first impact" if (peak, alone) != pairs[0] else ""
         if _apart((peak, alone)) > CONVERGED:
-            factor, unit = readable(channel.unit, max(peak, alone))
+            factor, unit = readable_unit(channel.unit, max(peak, alone))
             yield Finding(
                 "peak-not-converged",
                 f"{name}: do not quote its peak{window}. It is {factor * peak:.4g} {unit}, and "
@@ -897,7 +903,7 @@ def cut_off_findings(channels: Mapping[str, Channel]) -> Iterator[Finding]:
     if cut:
         worst = max(cut, key=lambda one: max(map(_apart, _ends(one))))
         peak, silent = max(_ends(worst), key=_apart)
-        factor, unit = readable(worst.unit, max(peak, silent))
+        factor, unit = readable_unit(worst.unit, max(peak, silent))
         more = f" (and {len(cut) - 1} more)" if len(cut) > 1 else ""
         yield Finding(
             "pressure-cut-off",
@@ -977,29 +983,29 @@ class LessStatic(NamedTuple):
     response: Response
     scales: Floats
     short: str
-    way: str
+    method: str
     allowed: float
 
 
-class OtherPush(NamedTuple):
+class OtherImpulse(NamedTuple):
     """By how many times what a body gives the structure is larger by another way, and that way."""
 
     times: float
-    way: str
+    method: str
 
 
-def nothing_evaluated() -> Answers:
+def empty_evaluations() -> Answers:
     """Every kind of evaluation, with nothing where nothing is simulated."""
     return {key: {} for key in EVALUATIONS}
 
 
-def evaluated(
+def evaluate_histories(
     study: Study,
     places: Places,
     response: Response,
     channels: Mapping[str, Channel],
     beside: Sequence[LessStatic] = (),
-    pushes: Sequence[OtherPush] = (),
+    pushes: Sequence[OtherImpulse] = (),
 ) -> tuple[Answers, tuple[Finding, ...]]:
     """The answers, and what is to be known of them; every kind is there, with nothing where nothing is asked.
 
@@ -1008,34 +1014,36 @@ def evaluated(
     blows give by another way; all numbers are in proportion to it.
     """
     found: dict[str, dict[str, Any]] = {key: {} for key in EVALUATIONS}
-    told: list[Finding] = []
+    findings: list[Finding] = []
     if not study.evaluations:
         return found, ()
-    means, sampling = averaged(response), response.clock.sampling
-    others = [(one, averaged(one.response)) for one in beside]
+    means, sampling = average_motion(response), response.clock.sampling
+    others = [(one, average_motion(one.response)) for one in beside]
     true = np.array([kind != "residual" for kind in response.basis.kind])
     rows = motion_rows(study, places, response.basis)
     for one in study.evaluations:
         what, row = rows.get(one.channel, ("", None))
-        values: Floats = channels[one.channel].values if row is None else moved(means, what, row)
+        values: Floats = channels[one.channel].values if row is None else row_motion(means, what, row)
         answer = found.setdefault(one.key(), {})[one.name] = one.answer(values, sampling)
         if row is None or true.all():
             continue
         alone = _Other(
-            one.answer(moved(means, what, row * true), sampling), "modes alone", f"without {STATIC}", CONVERGED
+            one.answer(row_motion(means, what, row * true), sampling), "modes alone", f"without {STATIC}", CONVERGED
         )
         less = [
             _Other(
-                one.answer(moved(other, what, row * kept.scales), sampling),
+                one.answer(row_motion(other, what, row * kept.scales), sampling),
                 kept.short,
-                f"{kept.way} {STATIC}",
+                f"{kept.method} {STATIC}",
                 kept.allowed,
             )
             for kept, other in others
         ]
-        less += [_Other(one.answer(push.times * values, sampling), push.way, push.way, CONVERGED) for push in pushes]
-        told += _beside(one, answer, [alone, *less], response.basis.complete_below_hz)
-    return found, tuple(told)
+        less += [
+            _Other(one.answer(push.times * values, sampling), push.method, push.method, CONVERGED) for push in pushes
+        ]
+        findings += _beside(one, answer, [alone, *less], response.basis.complete_below_hz)
+    return found, tuple(findings)
 
 
 class _Other(NamedTuple):
@@ -1043,7 +1051,7 @@ class _Other(NamedTuple):
 
     answer: Any
     short: str
-    way: str
+    method: str
     allowed: float
 
 
@@ -1059,16 +1067,16 @@ def _beside(one: Evaluation, answer: Any, others: Sequence[_Other], complete_bel
             worst.append(most)
     if not worst:
         return
-    _, whole, told, other = max(worst, key=lambda pair: pair[0])
-    factor, unit = readable(whole.unit, max(whole.value, told.value))
+    _, whole, changed, other = max(worst, key=lambda pair: pair[0])
+    factor, unit = readable_unit(whole.unit, max(whole.value, changed.value))
     more = f". So are {len(worst)} of its {len(numbers)} numbers" if worst[1:] else ""
-    values = {"allowed": other.allowed, "apart": _quoted_apart(whole, told)}
+    values = {"allowed": other.allowed, "apart": _quoted_apart(whole, changed)}
     for _, a, b, which in worst:
         values |= {a.name: a.value, f"{b.name}, {which.short}": b.value}
     yield Finding(
         "evaluation-not-converged",
         f"{one.key()}.{one.name}: do not quote its {whole.name}. It is {factor * whole.value:.4g} {unit}, and "
-        f"{factor * told.value:.4g} {unit} {other.way}, so it may change with the number of modes "
+        f"{factor * changed.value:.4g} {unit} {other.method}, so it may change with the number of modes "
         f"and with the mesh{more}. Compute more modes",
         values,
     )

@@ -11,11 +11,11 @@ import numpy as np
 from acoustics.errors import Advice
 from acoustics.receivers import Receiver
 from femstruct.arrays import Floats
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.impact.fatigue import POWERS, Fatigue, expected, expected_on_planes, most_damaged_by_spectra
 from femstruct.modal.basis import ForceRow, ModalBasis
 from femstruct.modal.damping import UNDAMPED
-from femstruct.modal.frf import Complex, frf, frf_unit, moves
+from femstruct.modal.frf import Complex, frf, frf_unit, moves_probe
 from femstruct.modal.residuals import AXES
 from femstruct.modal.steady import (
     Excitation,
@@ -25,13 +25,13 @@ from femstruct.modal.steady import (
     MovedMass,
     RandomAnswer,
     Vibrated,
+    base_excitation,
     force,
+    force_excitation,
     harmonic_stress,
-    highest,
+    largest_peak,
     missed_peak,
     motion,
-    moving_base,
-    pushing,
     random_answer,
     random_stress,
     resonances,
@@ -49,7 +49,7 @@ from femstruct.study.recorded import LargestStress
 from femstruct.study.results import Frf
 from femstruct.study.study import Study
 from femstruct.workflow.bases import Places
-from femstruct.workflow.provenance import Progress, counted
+from femstruct.workflow.provenance import Progress, progress_counter
 from femstruct.workflow.recorded_channels import (
     MOTIONS,
     SIDEWAYS,
@@ -89,7 +89,7 @@ def frequency_response(
         return _power(request, drive, places, basis, rooms, frequency)
     response = response_row(request.response, places, basis, _asked(request, "response"))
     for end, spot, probe in (("drive", request.drive, drive), ("response", request.response, response)):
-        if isinstance(probe, Probe) and not moves(basis, probe):
+        if isinstance(probe, Probe) and not moves_probe(basis, probe):
             raise InputError(
                 _asked(request, end),
                 got=f"'{spot}', no mode moves along {spot.what}",
@@ -98,12 +98,12 @@ def frequency_response(
     kind = request.kind
 
     def respond(hz: Floats) -> Complex:
-        lines = counted(len(hz), f"lines, {len(basis.omega)} modes", progress)
+        lines = progress_counter(len(hz), f"lines, {len(basis.omega)} modes", progress)
         return frf(basis, drive, response, hz, kind, lines)
 
     values, unit = respond(frequency), frf_unit(request.kind, request.drive.what, request.response.what)
     sizes = np.abs(values)
-    found = highest(respond, basis, frequency, sizes) if known is None else known.on(frequency, sizes)
+    found = largest_peak(respond, basis, frequency, sizes) if known is None else known.on(frequency, sizes)
     return Frf(request, frequency, values, unit, highest=found), missed_peak(found, unit)
 
 
@@ -163,7 +163,7 @@ def _from_source(
     plan, source = _receiver(request.drive, rooms, _asked(request, "drive"))
     where = _asked(request, "response")
     response = places.point(request.response.name, where).probe(request.response.what)
-    if not moves(basis, response):
+    if not moves_probe(basis, response):
         expected = "a direction in which the structure can move"
         raise InputError(
             where, got=f"'{request.response}', no mode moves along {request.response.what}", expected=expected
@@ -208,7 +208,7 @@ def response_row(spot: Spot, places: Places, basis: ModalBasis, asked_by: str) -
         raise InputError(
             asked_by,
             got=f"'{spot}'",
-            expected=f"a force of {some_of(forces) or 'nothing'}",
+            expected=f"a force of {list_some(forces) or 'nothing'}",
         )
     return basis.outputs[key]
 
@@ -243,13 +243,13 @@ def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[st
     Raises InputError as `excited` does, and for a recorded force that nothing has.
     """
     found: dict[str, Vibrated] = {}
-    told: list[Finding] = []
+    findings: list[Finding] = []
     refuse_absent_forces(study, basis)
     for one in study.vibration:
         found[one.name], doubts = _vibrated(one, study, places, basis)
-        told += doubts
-    told += [_by_dirlik(one.name) for one in study.fatigue if one.under and one.sn is not None]
-    return found, told
+        findings += doubts
+    findings += [_by_dirlik(one.name) for one in study.fatigue if one.under and one.sn is not None]
+    return found, findings
 
 
 def _by_dirlik(name: str) -> Finding:
@@ -269,10 +269,14 @@ def excited(one: Vibration, places: Places, basis: ModalBasis) -> Excitation:
     """
     refuse_undamped(f"vibration.{one.name}", one.spectrum.band, basis)
     probe = places.pushed(one)
-    if isinstance(one.on, Spot) and probe is not None and not moves(basis, probe):
+    if isinstance(one.on, Spot) and probe is not None and not moves_probe(basis, probe):
         expected = "a direction in which the structure can move"
         raise InputError(f"vibration.{one.name}.at", got=f"'{one.on}', which no mode moves", expected=expected)
-    return moving_base(basis, str(one.on), f"vibration.{one.name}") if probe is None else pushing(basis, probe)
+    return (
+        base_excitation(basis, str(one.on), f"vibration.{one.name}")
+        if probe is None
+        else force_excitation(basis, probe)
+    )
 
 
 def _vibrated(one: Vibration, study: Study, places: Places, basis: ModalBasis) -> tuple[Vibrated, list[Finding]]:
@@ -291,13 +295,13 @@ def _vibrated(one: Vibration, study: Study, places: Places, basis: ModalBasis) -
     for name, size in forces.items():  # sideways there is only what is more than rounding of the shapes
         if name.endswith((" x", " y")) and size <= SIDEWAYS * largest:
             del answers[name]
-    told: list[Finding] = []
+    findings: list[Finding] = []
     for record in study.records:
         if record.what == STRESS:
             answers[str(record)], stressed = _stress(one, places, record.target, excitation, basis, level, lines)
-            told += stress_findings({f"{one.name}: {record}{' rms' if one.what == 'psd' else ''}": stressed})
+            findings += stress_findings({f"{one.name}: {record}{' rms' if one.what == 'psd' else ''}": stressed})
     base = None if excitation.axis is None else _moved(basis, excitation.axis)
-    return Vibrated(one.what, one.told, one.unit, lines, level, answers, base), told
+    return Vibrated(one.what, one.place_text, one.unit, lines, level, answers, base), findings
 
 
 def _answer(
@@ -321,7 +325,7 @@ def _looked(
             unit = _TURNING[unit] if direction.startswith("r") else unit
             seen = motion(excitation, basis, probe, MOTIONS.index(record.what))
             yield str(record), (seen, unit)
-            if abs(seen.rigid) > _MOVES and moves(basis, probe):
+            if abs(seen.rigid) > _MOVES and moves_probe(basis, probe):
                 beside = motion(excitation, basis, probe, MOTIONS.index(record.what), relative=True)
                 yield f"{record}{ON_THE_BASE}", (beside, unit)
         elif record.what == "force":
@@ -358,17 +362,17 @@ def random_fatigues(
 
     Raises InputError for an excitation that is not random or has no duration, and for what does not answer it.
     """
-    told: dict[str, Fatigue] = {}
+    fatigues: dict[str, Fatigue] = {}
     excitations = {one.name: one for one in study.vibration}
     for request in (one for one in study.fatigue if one.under):
         where, of, sn = f"fatigue.{request.name}", request.of, request.sn
         one = excitations.get(request.under)
         if one is None or one.what != "psd" or one.duration is None:
-            got, wanted = f"'{request.under}'", "the name of a random excitation with a duration"
-            raise InputError(f"{where}.under", got=got, expected=wanted)
+            got, needed = f"'{request.under}'", "the name of a random excitation with a duration"
+            raise InputError(f"{where}.under", got=got, expected=needed)
         answer, level = found[one.name].answers.get(of), found[one.name].excitation
         if not isinstance(answer, RandomAnswer):
-            raise InputError(f"{where}.of", got=f"'{of}'", expected=f"one of {some_of(found[one.name].answers)}")
+            raise InputError(f"{where}.of", got=f"'{of}'", expected=f"one of {list_some(found[one.name].answers)}")
         lines = answer.frequency_hz
         if of.endswith(f" {STRESS}"):
             everywhere = places.stresses(of.removesuffix(f" {STRESS}"), f"{where}.of")
@@ -394,10 +398,10 @@ def random_fatigues(
                 uneven=share,
                 axes=axes,
             )
-            told[request.name] = replace(fatigue, converged=not share)
+            fatigues[request.name] = replace(fatigue, converged=not share)
         else:
-            told[request.name] = expected(of, answer.unit, answer.psd, lines, one.duration, sn)
-    return told
+            fatigues[request.name] = expected(of, answer.unit, answer.psd, lines, one.duration, sn)
+    return fatigues
 
 
 def _judged_at(

@@ -16,22 +16,22 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.compiled.store import compilation
 from femstruct.declared import expect
-from femstruct.errors import Finding, some_of
+from femstruct.errors import Finding, list_some
 from femstruct.files.audio import listening_scale, write_sequence, write_wav
 from femstruct.files.mode_files import write_room_modes
 from femstruct.files.results_file import RESULTS, read_results, write_results
 from femstruct.files.study_tables import summary
-from femstruct.files.writing import NAME, Stage, file_name, replacing, same_file, short, together
-from femstruct.findings.catalogue import ranked
+from femstruct.files.writing import NAME, Stage, file_name, replacing, same_file, short, staged_folder
+from femstruct.findings.catalogue import rank_findings
 from femstruct.modal.basis import ModalBasis
 from femstruct.study.results import AccuracyCheck, CaseResult, StudyResult
 from femstruct.study.study import Case, Plan, Study
 from femstruct.view.page import write_report
 from femstruct.workflow.accuracy import hold_accuracy
-from femstruct.workflow.bases import Solved, changes_damping, fingerprint, in_air, key_of, solve_all
+from femstruct.workflow.bases import Solved, add_cavities, changes_damping, fingerprint, key_of, solve_all
 from femstruct.workflow.case import expected_units, run_case
 from femstruct.workflow.case_comparison import Spectra, compare, machines, verdicts
-from femstruct.workflow.coupled_air import RoomTransfers, coupled
+from femstruct.workflow.coupled_air import RoomTransfers, couple_rooms
 from femstruct.workflow.provenance import Progress, Stopwatch, inputs_of, provenance
 from femstruct.workflow.recorded_channels import change_findings
 
@@ -96,7 +96,7 @@ def redraw(
 def _folder_of(result: StudyResult, folder: Path, keep: Progress | None) -> Iterator[Stage]:
     """The stage of a folder for the files of a run; says where an earlier one of other inputs is kept."""
     finished = len(result.cases) == len(result.plan.cases)
-    with together(folder, finished=finished, inputs=inputs_of(result.plan), keep=keep is not None) as stage:
+    with staged_folder(folder, finished=finished, inputs=inputs_of(result.plan), keep=keep is not None) as stage:
         yield stage
     for place in stage.aside:
         if keep is not None:
@@ -114,7 +114,7 @@ def _older(kept: Sequence[str]) -> str:
     >>> _older(["a.wav"])
     'Some cases are missing. These files are of an earlier run: a.wav (written_by_femstruct.json lists them)'
     """
-    names = some_of(kept, NAMED)
+    names = list_some(kept, NAMED)
     return f"Some cases are missing. These files are of an earlier run: {names} ({NAME} lists them)" if kept else ""
 
 
@@ -124,7 +124,7 @@ def _cleared(removed: Sequence[str]) -> str:
     >>> _cleared(["a.wav", "b.wav"]), _cleared([])
     ('Removed files of an earlier run: a.wav, b.wav', '')
     """
-    names = some_of(removed, NAMED)
+    names = list_some(removed, NAMED)
     return f"Removed files of an earlier run: {names}" if removed else ""
 
 
@@ -142,8 +142,8 @@ def write_numbers(
         _write_summary(result, stage.path)
         with clock("sound"):
             sounds = _write_sounds(result, stage.path)
-        heard = {name: (stage.path / name).read_bytes() for name in sounds}
-        write_report(result, stage.path / "report.html", sounds=heard)
+        sound_files = {name: (stage.path / name).read_bytes() for name in sounds}
+        write_report(result, stage.path / "report.html", sounds=sound_files)
     return _told(stage)
 
 
@@ -173,13 +173,13 @@ def _write(
 def _drawn(result: StudyResult, folder: Path, clock: Stopwatch) -> tuple[list[str], str]:
     """Draw all pictures, those in three dimensions in a process beside this one: their names in the order of the page,
     and a sentence about those that were left out."""
-    from femstruct.view.model_scene import NoOpenGL, drawn_beside, model_picture, shapes_all
+    from femstruct.view.model_scene import NoOpenGL, draw_in_process, model_picture, shapes_all
     from femstruct.view.plots import plot_all
     from femstruct.view.room_scene import room_pictures, stress_pictures
 
     with clock("pictures"):
         scenes = (shapes_all, room_pictures, model_picture, stress_pictures)
-        solid = drawn_beside(lambda: [draw(result, folder) for draw in scenes])
+        solid = draw_in_process(lambda: [draw(result, folder) for draw in scenes])
         flat = plot_all(result, folder)
     with clock("pictures in three dimensions"):
         try:
@@ -218,7 +218,7 @@ def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
     and CASE.ROOM.RECEIVER.total.wav, which follows it in the sequence. All are at one scale, the sequence a decibel
     below it. Cases of another sampling than the baseline's cannot follow it in one file: they are not in the sequence.
     """
-    heard = [
+    responses = [
         _Heard(case, total, f"{room}.{receiver.name}", p, item.case.study.time.sampling)
         for case, item in result.cases.items()
         if item.case.study.time is not None
@@ -228,18 +228,18 @@ def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
         if room in of
         for p in (of[room].p[i],)
     ]
-    loudest = max((float(np.abs(one.p).max()) for one in heard), default=0.0)
+    loudest = max((float(np.abs(one.p).max()) for one in responses), default=0.0)
     if not loudest > 0.0:
         return []
-    for one in heard:
+    for one in responses:
         name = _sound_name(one.case, one.receiver, *(["total"] if one.total else []))
         write_wav(folder / name, one.p, one.sampling, full_scale=loudest)
     baseline = result.cases[result.plan.baseline].case.study.time
     names = []
-    for receiver in dict.fromkeys(one.receiver for one in heard):
+    for receiver in dict.fromkeys(one.receiver for one in responses):
         sounds = {
             f"{one.case}{', total' if one.total else ''}": one.p
-            for one in heard
+            for one in responses
             if one.receiver == receiver and baseline is not None and one.sampling == baseline.sampling
         }
         if sounds and baseline is not None:
@@ -363,7 +363,7 @@ def run_again(
         comparison = compare(plan.baseline, finished, before.spectra)
         reference = finished[plan.baseline].channels
         finished = {
-            name: replace(one, findings=ranked((*one.findings, *change_findings(reference, one.channels))))
+            name: replace(one, findings=rank_findings((*one.findings, *change_findings(reference, one.channels))))
             for name, one in finished.items()
         }
         kept = {name: verdicts(result) for name, result in finished.items()}
@@ -471,7 +471,7 @@ def _reused(modes: bool, cases: Sequence[str]) -> str:
     ("the modes, cases 'as given', 'soft'", 'nothing')
     """
     words = ["the modes"] if modes else []
-    words += [f"case{'s' if len(cases) > 1 else ''} {some_of(map(repr, cases))}"] if cases else []
+    words += [f"case{'s' if len(cases) > 1 else ''} {list_some(map(repr, cases))}"] if cases else []
     return ", ".join(words) or "nothing"
 
 
@@ -499,6 +499,6 @@ def _bases(finished: Mapping[str, CaseResult], solved: Mapping[str, Solved]) -> 
         key, own = result.basis_key, solved[name]
         if key in bases:
             continue
-        joined, _ = coupled(in_air(own.basis, own), result.case.study.rooms, own.places)
+        joined, _ = couple_rooms(add_cavities(own.basis, own), result.case.study.rooms, own.places)
         bases[key] = replace(joined, findings=own.basis.findings)
     return bases

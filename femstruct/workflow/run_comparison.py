@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from femstruct.errors import Finding, InputError, InputErrors
-from femstruct.findings.catalogue import ranked
+from femstruct.findings.catalogue import rank_findings
 from femstruct.study.asked import GroundForce, Machine
 from femstruct.study.results import CaseResult, StudyResult
 from femstruct.study.study import Plan
@@ -95,18 +95,18 @@ def _own(case: Any) -> set[str]:
     if not isinstance(case, dict):
         return set()
     added, removed = case.get("add"), case.get("remove")
-    gone = removed if isinstance(removed, list) else [removed]
-    return {*map(str, case), *(map(str, added) if isinstance(added, dict) else ()), *map(str, gone)}
+    removed_names = removed if isinstance(removed, list) else [removed]
+    return {*map(str, case), *(map(str, added) if isinstance(added, dict) else ()), *map(str, removed_names)}
 
 
 def _changed(mine: Sequence[_File], theirs: Sequence[_File]) -> Iterator[str]:
     pairs = _pairs(mine, theirs)
     for one, other in pairs:
         yield from _between(one, other)
-    for told, files in (("the first", mine), ("the second", theirs)):
+    for word, files in (("the first", mine), ("the second", theirs)):
         alone = [one.name for one in files if not any(one is paired for pair in pairs for paired in pair)]
         if alone:
-            yield f"only {told} has {', '.join(alone)}"
+            yield f"only {word} has {', '.join(alone)}"
 
 
 def _pairs(mine: Sequence[_File], theirs: Sequence[_File]) -> list[tuple[_File, _File]]:
@@ -171,11 +171,11 @@ def _cut(rows: Sequence[tuple[int, str]]) -> str:
     >>> _cut([(1, "a: 1"), (2, "  b: 2")]), _cut([]), len(_cut([(1, 300 * "a"), (2, "b")])) < 140
     ('a: 1 | b: 2', '(nothing)', True)
     """
-    told = " | ".join(text.strip() for _, text in rows[:LINES])
-    if len(rows) > 1 and len(told) > LONGEST:
-        told = f"{told[:LONGEST]} .."
+    line = " | ".join(text.strip() for _, text in rows[:LINES])
+    if len(rows) > 1 and len(line) > LONGEST:
+        line = f"{line[:LONGEST]} .."
     more = f" (and {len(rows) - LINES} more lines)" if rows[LINES:] else ""
-    return f"{told}{more}" if rows else "(nothing)"
+    return f"{line}{more}" if rows else "(nothing)"
 
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -208,7 +208,7 @@ def names_of(paths: Sequence[str | Path]) -> list[str]:
     return names
 
 
-def beside(runs: Mapping[str, StudyResult], command: str = "") -> StudyResult:
+def combine_runs(runs: Mapping[str, StudyResult], command: str = "") -> StudyResult:
     """Several runs as one, the baseline of the first being that of all.
 
     runs : by name, two or more. Cases are named "RUN: CASE", those of a run with one case "RUN".
@@ -225,12 +225,12 @@ def beside(runs: Mapping[str, StudyResult], command: str = "") -> StudyResult:
         for case, one in result.cases.items()
     }
     comparison = replace(compare(baseline, cases, Spectra()), inputs=differences(runs))
-    told = {name: replace(one, findings=_findings(cases[baseline], one)) for name, one in cases.items()}
+    complete = {name: replace(one, findings=_findings(cases[baseline], one)) for name, one in cases.items()}
     whole = StudyResult(
         plan=_plan(runs, named, baseline),
         bases={key: one for result in runs.values() for key, one in result.bases.items()},
         models={key: one for result in runs.values() for key, one in result.models.items()},
-        cases=told,
+        cases=complete,
         comparison=comparison,
         findings=tuple(dict.fromkeys(one for result in runs.values() for one in result.findings)),
         timings={},
@@ -244,7 +244,7 @@ def beside(runs: Mapping[str, StudyResult], command: str = "") -> StudyResult:
 def _findings(baseline: CaseResult, one: CaseResult) -> tuple[Finding, ...]:
     """What is to be known of a case, beside the baseline that it has now."""
     changes = change_findings(baseline.channels, one.channels)
-    return ranked((*(known for known in one.findings if known.code != CHANGE), *changes))
+    return rank_findings((*(known for known in one.findings if known.code != CHANGE), *changes))
 
 
 def _named(run: str, case: str, result: StudyResult) -> str:

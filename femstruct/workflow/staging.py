@@ -13,7 +13,7 @@ from acoustics.open_air.sphere import TOUCHING, refuse_inside, sphere_pressures
 from acoustics.room_response import RoomResponse
 from femstruct.arrays import Floats
 from femstruct.conventions import GRAVITY
-from femstruct.errors import Finding, InputError, some_of
+from femstruct.errors import Finding, InputError, list_some
 from femstruct.impact.response import Response
 from femstruct.impact.scene import GROUND, Blows, Body, Contact, End, Link, Load, Scene
 from femstruct.modal.basis import ModalBasis
@@ -29,14 +29,14 @@ from femstruct.study.structures import BeamModel, ModesModel, RodModel
 from femstruct.study.study import Study
 from femstruct.workflow.bases import (
     Places,
-    at_rest,
     axis_of,
-    lying_bodies,
     mass_on,
+    other_excitations,
     planned_contacts,
-    pushed_otherwise,
     refuse_mixed_axes,
-    refuse_restless,
+    refuse_unsupported,
+    resting_bodies,
+    supported_bodies,
     weighs,
 )
 
@@ -44,7 +44,7 @@ LUMPED = 0.9  # of what moves with a point that is given a velocity: what must b
 HORIZONTAL = np.cos(np.radians(45.0))
 
 
-def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:
+def build_scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:
     """Bodies, contacts, links and loads of a study between probes.
 
     basis : for start velocities of the structure, and to see that what is hit can move.
@@ -61,8 +61,8 @@ def scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scen
     refuse_mixed_axes(study)
     contacts = tuple(stage.contact(contact) for contact in planned_contacts(study))
     links = tuple(stage.link(link) for link in study.links)
-    refuse_restless(study)
-    resting = at_rest(study)
+    refuse_unsupported(study)
+    resting = supported_bodies(study)
     bodies = tuple(_body(body, body.name not in resting) for body in study.bodies)
     if basis is not None:
         _refuse_immovable(basis, contacts, links, stage.axis)
@@ -96,7 +96,7 @@ def force_probes(study: Study, places: Places) -> dict[str, Probe]:
     for load in stage.loads():
         if isinstance(load.on, Probe):
             found[f"load {load.name}"] = load.on
-    return found | pushed_otherwise(study, places)
+    return found | other_excitations(study, places)
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ class _Stage:
         """Weight of a body that lies still on the contact when gravity starts [N]."""
         if not weighs(self.study):
             return 0.0
-        lying = lying_bodies(self.study)
+        lying = resting_bodies(self.study)
         here = [body for body in lying.values() if {body.name, body.target} == set(planned.between)]
         return sum(mass_on(body, lying) for body in here) * GRAVITY
 
@@ -216,7 +216,7 @@ class _Stage:
                 on: Probe | str = self.places.point(load.on.name, where).probe(load.on.what)
             elif load.kind == "surface":
                 if load.on not in self.places.surfaces:
-                    expected = f"a surface: {some_of(self.places.surfaces)}"
+                    expected = f"a surface: {list_some(self.places.surfaces)}"
                     raise InputError(f"{where}.on", got=f"'{load.on}'", expected=expected)
                 on = self.places.surfaces[str(load.on)].pressure()
             else:
@@ -284,10 +284,10 @@ def _refuse_massless(spot: Spot, study: Study, places: Places, basis: ModalBasis
     moving = 1.0 / float(row @ row) if row.any() else np.inf
     if mass < LUMPED * moving < np.inf:
         turns, has = spot.what.startswith("r"), f"has a mass of {mass:.3g} kg" if mass else "is elastic all around"
-        told = "" if turns else f": with these modes {moving:.3g} kg move with it, and fewer with more modes"
+        reason = "" if turns else f": with these modes {moving:.3g} kg move with it, and fewer with more modes"
         raise InputError(
             where,
-            got=f"a start velocity of a point that {has}{told}",
+            got=f"a start velocity of a point that {has}{reason}",
             expected="a point of a rigid block, or a mass at the point that is most of what moves",
             do=f"add a part {{type: mass, mass: 2 kg, at: {spot.name}}}, let a body strike it, push it with 'loads', "
             "or start all of a free structure with 'initial: {rigid: ..}'",
@@ -304,7 +304,7 @@ def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -
     if initial.rigid is not None:
         about = places.point(initial.rigid.about, "initial.rigid.about")
         arm = basis.points - about.position
-        wanted = np.concatenate(
+        velocities = np.concatenate(
             [
                 np.asarray(initial.rigid.velocity) + np.cross(initial.rigid.spin, arm),
                 np.tile(initial.rigid.spin, (len(arm), 1)),
@@ -312,9 +312,9 @@ def _modal_velocity(initial: InitialMotion, places: Places, basis: ModalBasis) -
             axis=1,
         )
         rigid = np.array([kind == "rigid" for kind in basis.kind])
-        shapes = basis.shapes[:, :6, rigid].reshape(wanted.size, int(rigid.sum()))
-        q, *_ = np.linalg.lstsq(shapes, wanted.ravel(), rcond=None)
-        missed = np.abs(shapes @ q - wanted.ravel()).max() / np.abs(wanted).max() if wanted.any() else 0.0
+        shapes = basis.shapes[:, :6, rigid].reshape(velocities.size, int(rigid.sum()))
+        q, *_ = np.linalg.lstsq(shapes, velocities.ravel(), rcond=None)
+        missed = np.abs(shapes @ q - velocities.ravel()).max() / np.abs(velocities).max() if velocities.any() else 0.0
         if missed > 1e-6:
             raise InputError(
                 "initial.rigid",
@@ -415,29 +415,31 @@ def _own_sound(plan: RoomPlan, study: Study, places: Places, response: Response)
     if not placed or space is None:
         return None
     spheres = [sphere_of(response, name, *sphere, space) for name, sphere in placed.items()]
-    heard = sphere_pressures(spheres, space, plan.receivers)
+    radiated = sphere_pressures(spheres, space, plan.receivers)
     moved = [advice for name, (radius, _) in placed.items() for advice in moved_advice(response, name, radius)]
-    return replace(heard, findings=(*heard.findings, *moved))
+    return replace(radiated, findings=(*radiated.findings, *moved))
 
 
 def own_findings(
-    study: Study, places: Places, response: Response, heard: OwnSound
+    study: Study, places: Places, response: Response, sound: OwnSound
 ) -> list[tuple[str, Advice | Finding]]:
     """How far to trust the sound of bodies, by room; bodies that strike on the side of receivers and are
     not heard; radii of no use."""
-    told: list[tuple[str, Advice | Finding]] = [(name, one) for name, own in heard.own.items() for one in own.findings]
+    findings: list[tuple[str, Advice | Finding]] = [
+        (name, one) for name, own in sound.own.items() for one in own.findings
+    ]
     sounding: set[str] = set()
     for plan in study.rooms:
         sounding |= spheres_before(plan, study, places).keys()
         silent = [body.name for body in study.bodies if _left_out(body, plan, study, places, response)]
         if silent:
             verb = "strike" if len(silent) > 1 else "strikes"
-            told.append(
+            findings.append(
                 (
                     plan.name,
                     Finding(
                         "own-sound-left-out",
-                        f"{some_of(silent)} {verb} on the side of the receivers: its direct sound is not computed, "
+                        f"{list_some(silent)} {verb} on the side of the receivers: its direct sound is not computed, "
                         "which may "
                         "be louder than that of the surface at high frequencies. Give a 'radius' if the body is "
                         "roughly "
@@ -451,12 +453,12 @@ def own_findings(
         if body.radius is not None and body.name not in sounding and listening:
             finding = Finding(
                 "radius-unused",
-                f"{body.name} is not in front of the surface of {some_of(plan.name for plan in listening)}: its "
+                f"{body.name} is not in front of the surface of {list_some(plan.name for plan in listening)}: its "
                 f"radius of {1e3 * body.radius:g} mm has no effect",
                 {"radius_m": body.radius},
             )
-            told.append((body.name, finding))
-    return told
+            findings.append((body.name, finding))
+    return findings
 
 
 def _left_out(body: PlacedBody, plan: RoomPlan, study: Study, places: Places, response: Response) -> bool:

@@ -11,8 +11,8 @@ import numpy as np
 from femstruct.arrays import Floats
 from femstruct.assembly.constraint_findings import constraint_findings
 from femstruct.conventions import GRAVITY
-from femstruct.errors import Finding, some_of
-from femstruct.findings.catalogue import ranked
+from femstruct.errors import Finding, list_some
+from femstruct.findings.catalogue import rank_findings
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.coupled_damping import damped_modes
 from femstruct.modal.damping import UNDAMPED, FromMaterials
@@ -20,7 +20,7 @@ from femstruct.model.materials import Material, loss_at
 from femstruct.model.model import Model
 from femstruct.model.structure import AirBetween, Bays, Structure
 from femstruct.model.unused import unused_findings
-from femstruct.parts.connection_findings import arrangement_findings, overhang_findings, twice_findings
+from femstruct.parts.connection_findings import arrangement_findings, duplicate_findings, overhang_findings
 from femstruct.parts.joint_findings import (
     far_spring_findings,
     joint_open_findings,
@@ -32,10 +32,10 @@ from femstruct.parts.loss_findings import layer_loss_findings, total_loss_findin
 from femstruct.parts.plausibility import material_findings, plausibility_findings
 from femstruct.parts.rib_findings import arched_findings, eccentric_findings, wide_rib_findings
 from femstruct.parts.wave_findings import folded_findings, mesh_findings, model_findings, reduced_findings
-from femstruct.sound.cavity_coupling import all_cavities, shared
+from femstruct.sound.cavity_coupling import all_cavities, shared_rectangle
 from femstruct.study.structures import RodModel, StructureModel
 from femstruct.study.study import Study
-from femstruct.workflow.bases import Solved, falling, hanger_findings, planned_contacts, weighs
+from femstruct.workflow.bases import Solved, falls_freely, hanger_findings, planned_contacts, weighs
 
 # ----------------------------------------------------------------------------------------------------------------------
 # Findings on cavities that need no modes: how they lie, and what crosses them.
@@ -63,7 +63,7 @@ def _bars(model: Model, cavity: AirBetween) -> tuple[dict[str, Floats], Floats]:
     and y of the first from the corner of the cavity, and the sides of the cavity [2] [m]."""
     first, second = pair = model.surfaces[cavity.first], model.surfaces[cavity.second]
     axes = np.vstack([first.along, first.normal])
-    low, high = shared(pair)
+    low, high = shared_rectangle(pair)
     margin = WITHIN * (high - low)
     apart = float((second.centre - first.centre) @ first.normal)
     found = {}
@@ -110,13 +110,13 @@ def _beside(cavity: AirBetween, bays: Bays, bars: dict[str, Floats], sides: Floa
     empty = [at for at in bays.at if not (np.abs(closing - at) <= near).any()]
     if not empty:
         return []
-    there = some_of([f"{at:.4g}" for at in np.unique(closing.round(3))]) if len(closing) else ""
+    there = list_some([f"{at:.4g}" for at in np.unique(closing.round(3))]) if len(closing) else ""
     lie = f"bars that close it lie at {bays.across} = {there} m" if there else f"no bar closes it across {bays.across}"
     return [
         Finding(
             "bays-beside-joists",
-            f"{cavity.name}: no bar of {some_of(bars)} lies where its bays end, at {bays.across} = "
-            f"{some_of([f'{at:.4g}' for at in empty])} m from the corner of the cavity; {lie}. Is 'across' the other "
+            f"{cavity.name}: no bar of {list_some(bars)} lies where its bays end, at {bays.across} = "
+            f"{list_some([f'{at:.4g}' for at in empty])} m from the corner of the cavity; {lie}. Is 'across' the other "
             "axis, or another corner meant?",
             {"bays": len(bays.at) + 1, "ends_beside": len(empty), "first_place_m": empty[0]},
         )
@@ -147,16 +147,16 @@ def undamped_motion(studies: Sequence[Study], basis: ModalBasis) -> tuple[Findin
         return ()
     count, first = int(bare.sum()), float(basis.frequency_hz[bare][0])
     whole = bool(count == elastic.sum())
-    heard = some_of([plan.name for plan in study.rooms if plan.coupling == "one-way"])
+    one_way = list_some([plan.name for plan in study.rooms if plan.coupling == "one-way"])
     which = "No mode has damping" if whole else f"{count} of {elastic.sum()} modes have no damping"
     return (
         Finding(
             "undamped",
             f"{which}: the first of them, at {first:.4g} Hz, vibrates through the whole window without decay. "
-            + (f"Levels in {heard} are too high by as much as its damping would lower them. " if heard else "")
+            + (f"Levels in {one_way} are too high by as much as its damping would lower them. " if one_way else "")
             + _advice(study, basis),
             {"modes": count, "first_hz": first, "damping_ratio": float(basis.damping_ratio[bare].max())},
-            severe=whole and bool(heard),
+            severe=whole and bool(one_way),
         ),
     )
 
@@ -170,7 +170,7 @@ def _advice(study: Study, basis: ModalBasis) -> str:
     if not unused:
         return "Give the model a 'damping', such as 'damping: {loss_factor: 2 %}'"
     return (
-        f"Loss factors of materials (of {some_of(unused)}) are used only with 'damping: {{from: materials}}'. Give "
+        f"Loss factors of materials (of {list_some(unused)}) are used only with 'damping: {{from: materials}}'. Give "
         "the model this or another 'damping'"
     )
 
@@ -180,7 +180,7 @@ def _advice(study: Study, basis: ModalBasis) -> str:
 # ----------------------------------------------------------------------------------------------------------------------
 
 
-def unheld_findings(model: Model, joined: Iterable[tuple[str, str]], studies: Sequence[Study]) -> list[Finding]:
+def unsupported_findings(model: Model, joined: Iterable[tuple[str, str]], studies: Sequence[Study]) -> list[Finding]:
     """A finding for every free piece whose surface moves the air of a closed room.
 
     joined : pairs of points that contacts and links of the studies hold together. studies : of one case.
@@ -202,8 +202,8 @@ def unheld_findings(model: Model, joined: Iterable[tuple[str, str]], studies: Se
         found.append(
             Finding(
                 "nothing-holds-it",
-                f"{some_of(piece.parts)}: no support, layer or spring holds its {piece.mass:.4g} kg, and it moves the "
-                f"air of {some_of(by)}. A blow sets all of it in motion, for good. Add 'supports' to the model",
+                f"{list_some(piece.parts)}: no support, layer or spring holds its {piece.mass:.4g} kg, and it moves "
+                f"the air of {list_some(by)}. A blow sets all of it in motion, for good. Add 'supports' to the model",
                 {"mass_kg": piece.mass, "free_motions": len(piece.free)},
                 severe=rated,
             )
@@ -228,7 +228,7 @@ def structure_findings(
     basis : with its damping. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as
     far as the modes are complete.
     """
-    return ranked(
+    return rank_findings(
         (
             *structure_findings_before(solved.structure, solved.model, studies),
             *structure_findings_after(solved.model, basis, studies, up_to_hz),
@@ -269,9 +269,9 @@ def structure_findings_before(
         rooms = [room for study in studies for room in study.rooms if room.coupling == "two-way"]
         found += total_loss_findings(model, {surface: room.name for room in rooms for _, surface in room.moved})
         found += overhang_findings(model)
-        found += twice_findings(structure)
+        found += duplicate_findings(structure)
         found += arrangement_findings(model, _joined(model, studies), any(weighs(study) for study in studies))
-        found += unheld_findings(model, _joined(model, studies), studies)
+        found += unsupported_findings(model, _joined(model, studies), studies)
         found += eccentric_findings(model)
         found += arched_findings(model)
         found += wide_rib_findings(model)
@@ -286,7 +286,7 @@ def structure_findings_before(
             found += _of_frequencies(model, up_to_hz)
     for study in studies:
         found += _hasty(study)
-    return ranked(found)
+    return rank_findings(found)
 
 
 def structure_findings_after(
@@ -302,7 +302,7 @@ def structure_findings_after(
     """
     found = list(basis.findings)
     if model is None:
-        return ranked(found)
+        return rank_findings(found)
     top = up_to_hz or basis.complete_below_hz
     if not 0.0 < top < np.inf:
         top = float(basis.frequency_hz[basis.modes].max(initial=0.0))
@@ -312,7 +312,7 @@ def structure_findings_after(
         found += of_modes if up_to_hz else [replace(one, message=one.message.rstrip(".") + ends) for one in of_modes]
     found += _overdamped(basis)
     found += _mechanisms(model, basis, studies, any(weighs(study) for study in studies))
-    return ranked(found)
+    return rank_findings(found)
 
 
 def _of_frequencies(model: Model, up_to_hz: float) -> tuple[Finding, ...]:
@@ -345,11 +345,11 @@ def _joined(model: Model, studies: Sequence[Study]) -> set[tuple[str, str]]:
 
 def _hasty(study: Study) -> list[Finding]:
     """Bodies that fall from higher or come faster than most that is tested."""
-    told = []
+    findings = []
     for body in study.bodies:
         height = body.speed**2 / (2.0 * GRAVITY)
         if body.dropped and height > HIGH_DROP:
-            told.append(
+            findings.append(
                 Finding(
                     "high-drop",
                     f"{body.name} falls {height:.4g} m and arrives at {body.speed:.3g} m/s. Air drag is left out, "
@@ -359,7 +359,7 @@ def _hasty(study: Study) -> list[Finding]:
                 )
             )
         elif not body.dropped and abs(body.speed) > FAST:
-            told.append(
+            findings.append(
                 Finding(
                     "fast-body",
                     f"{body.name} has {body.speed:.4g} m/s; contact laws are measured at a few m/s. Did you mean "
@@ -367,7 +367,7 @@ def _hasty(study: Study) -> list[Finding]:
                     {"speed_m_s": body.speed},
                 )
             )
-    return told
+    return findings
 
 
 def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravity: bool) -> list[Finding]:
@@ -378,7 +378,7 @@ def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravi
     if extra <= 0:
         return []
     told_before = any(piece.falls for piece in pieces(model, _joined(model, studies)))
-    falls = gravity and falling(basis) and not told_before
+    falls = gravity and falls_freely(basis) and not told_before
     return [
         Finding(
             "mechanism",

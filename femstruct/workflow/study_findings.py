@@ -8,11 +8,11 @@ from math import ceil, inf
 from types import MappingProxyType
 from typing import Final
 
-from acoustics.levels.bands import filtered, octave_bands, third_octave_bands
+from acoustics.levels.bands import octave_bands, passes_below, third_octave_bands
 from acoustics.levels.sound_levels import LEAST_SAMPLING_HZ
 from acoustics.levels.standards import Method
-from femstruct.errors import Finding, some_of
-from femstruct.findings.catalogue import ranked
+from femstruct.errors import Finding, list_some
+from femstruct.findings.catalogue import rank_findings
 from femstruct.impact.blow_by_blow import left_out_finding
 from femstruct.impact.scene import DROPPED, Blows, HalfSine
 from femstruct.modal.basis import ModalBasis
@@ -52,12 +52,12 @@ def flanking_findings(plan: RoomPlan, places: Places) -> tuple[Finding, ...]:
     partly = [f"{100 * (1 - share):.0f} % of {wall}" for wall, share in shares.items() if 0.0 < share < COVERED]
     if not rigid and not partly:
         return ()
-    told = ", ".join([*rigid, *partly])
+    walls = ", ".join([*rigid, *partly])
     missing = sum(plan.room.wall_area(wall) - area for wall, area in areas.items())
     return (
         Finding(
             "flanking-incomplete",
-            f"{told} of the room has no surface that moves: what it would radiate is not in the levels, nor in the "
+            f"{walls} of the room has no surface that moves: what it would radiate is not in the levels, nor in the "
             "shares of the surfaces",
             {"walls_rigid": len(rigid), "rigid_m2": missing},
         ),
@@ -81,7 +81,7 @@ def near_microphones(plan: RoomPlan, study: Study, places: Places) -> tuple[Find
     return (
         Finding(
             "microphone-near-surface",
-            f"{some_of(found)}: nearer than {NEAR_M:g} m to a surface that radiates ({nearest}: {off:.2g} m from "
+            f"{list_some(found)}: nearer than {NEAR_M:g} m to a surface that radiates ({nearest}: {off:.2g} m from "
             f"{surface_name}). At a wall levels are up to 3 dB above those of the room",
             {"distance_m": off, "wanted_m": NEAR_M, "microphones": len(found)},
         ),
@@ -112,18 +112,18 @@ def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tu
         return ()
     why = plate if isinstance(plate, str) else "the plate has less than one mode in these bands"
     instead = f". There are no statistical levels: {why}" if why else ""
-    told = f"{blank[0]:g} Hz is" if len(blank) == 1 else f"{blank[0]:g} to {blank[-1]:g} Hz are"
+    bands = f"{blank[0]:g} Hz is" if len(blank) == 1 else f"{blank[0]:g} to {blank[-1]:g} Hz are"
     all_of_them = len(blank) == len(method.bands_hz)
     numbers = "there is no single number" if all_of_them else "single numbers are lower bounds ('at least')"
-    whose = "floor" if complete_below_hz <= plan.complete_below_hz else "room"
+    limiting = "floor" if complete_below_hz <= plan.complete_below_hz else "room"
     up_to = 10 * ceil(method.passed_hz / 10)
-    cell = _cell(plan, study, up_to) if whose == "floor" else None
+    cell = _cell(plan, study, up_to) if limiting == "floor" else None
     return (
         Finding(
             "rating-beyond-modes",
             f"the filters of the rated {method.bands}s pass what is below {method.passed_hz:.0f} Hz, the modes of the "
-            f"{whose} end at {end:.0f} Hz: {told} blank{f', and {numbers}' if method.numbers else ''}. Give the "
-            f"{whose} 'modes: {{up_to: {up_to} Hz}}'{_mesh(cell)}{instead}",
+            f"{limiting} end at {end:.0f} Hz: {bands} blank{f', and {numbers}' if method.numbers else ''}. Give the "
+            f"{limiting} 'modes: {{up_to: {up_to} Hz}}'{_mesh(cell)}{instead}",
             {
                 "highest_hz": method.passed_hz,
                 "complete_below_hz": end,
@@ -162,7 +162,7 @@ def room_silent() -> Finding:
 def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
     """Nominal centres [Hz] of the bands of a method whose filters pass what lies above a frequency."""
     centres = octave_bands(_FAST_HZ) if method.fraction == 1 else third_octave_bands(_FAST_HZ)
-    return tuple(band for band in method.bands_hz if not filtered(centres[band], end_hz, method.fraction))
+    return tuple(band for band in method.bands_hz if not passes_below(centres[band], end_hz, method.fraction))
 
 
 def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) -> list[tuple[str, Finding]]:
@@ -219,8 +219,8 @@ def study_findings(case: Case, places: Places) -> list[Finding]:
         found += _coarse_loads(study, time)
         found += _blows_left_out(study, time)
         found += _sources_unresolved(study, time)
-        told = [(plan.name, one) for plan in study.rooms for one in rated_findings(plan, study, len(case.studies))]
-        found += room_findings(told)
+        noted = [(plan.name, one) for plan in study.rooms for one in rated_findings(plan, study, len(case.studies))]
+        found += room_findings(noted)
     return found
 
 
@@ -289,7 +289,7 @@ def _is_standard(body: PlacedBody) -> bool:
 def early_findings(case: Case, own: MeshedStructure) -> tuple[Finding, ...]:
     """All that can be said of a case without its modes, by rank."""
     before = structure_findings_before(own.structure, own.model, case.studies, case.study.extent.up_to_hz)
-    return ranked((*before, *study_findings(case, own.places)))
+    return rank_findings((*before, *study_findings(case, own.places)))
 
 
 def all_findings(
@@ -305,32 +305,32 @@ def all_findings(
     of it. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as far as the modes
     are complete.
     """
-    return ranked(
+    return rank_findings(
         (
             *structure_findings(solved, basis, studies, up_to_hz),
             *undamped_motion(studies, basis),
             *(finding for request in requests for finding in undamped_findings(basis, request)),
             *(finding for study in studies[:1] for one in study.vibration for finding in beyond_modes(one, basis)),
             *(
-                told
+                doubt
                 for study in studies[:1]
                 for one in study.evaluations
-                for told in one.doubts(basis.complete_below_hz)
+                for doubt in one.doubts(basis.complete_below_hz)
             ),
         )
     )
 
 
-def of_cases(told: Mapping[str, Sequence[Finding]]) -> tuple[Finding, ...]:
+def merge_case_findings(by_case: Mapping[str, Sequence[Finding]]) -> tuple[Finding, ...]:
     """Findings of cases by name, each once, with the names of its cases where it is not of all; by rank.
 
     >>> sags, rings = Finding("a", "It sags."), Finding("b", "It rings.")
-    >>> [finding.message for finding in of_cases({"as given": [sags], "stiffer": [sags, rings]})]
+    >>> [finding.message for finding in merge_case_findings({"as given": [sags], "stiffer": [sags, rings]})]
     ['It sags.', 'It rings. (case stiffer)']
     """
     names: dict[tuple[str, str], list[str]] = {}
     first: dict[tuple[str, str], Finding] = {}
-    for case, findings in told.items():
+    for case, findings in by_case.items():
         for finding in findings:
             key = (finding.code, finding.message)
             names.setdefault(key, [])
@@ -340,8 +340,8 @@ def of_cases(told: Mapping[str, Sequence[Finding]]) -> tuple[Finding, ...]:
 
     def placed(key: tuple[str, str]) -> Finding:
         own = names[key]
-        if len(own) == len(told):
+        if len(own) == len(by_case):
             return first[key]
-        return replace(first[key], message=f"{key[1]} (case{'s' if len(own) > 1 else ''} {some_of(own)})")
+        return replace(first[key], message=f"{key[1]} (case{'s' if len(own) > 1 else ''} {list_some(own)})")
 
-    return ranked([placed(key) for key in first])
+    return rank_findings([placed(key) for key in first])

@@ -44,13 +44,13 @@ from femstruct.units import DIMENSIONS, QuantityError, quantity_of
 from femstruct.workflow.bases import (
     Places,
     Solved,
+    add_cavities,
+    add_cavities_for_tables,
     fingerprint,
-    in_air,
     key_of,
-    positioned,
-    shown_in_air,
     solve,
     solve_all,
+    with_positions,
 )
 from femstruct.workflow.case import run_case
 from femstruct.workflow.coupled_air import RoomTransfers
@@ -208,7 +208,7 @@ class Moded:
     @cached_property
     def undamped(self) -> ModalBasis:
         """The modes as tables show them, with the air between surfaces."""
-        return self.bare if self.solved is None else shown_in_air(self.bare, self.solved)
+        return self.bare if self.solved is None else add_cavities_for_tables(self.bare, self.solved)
 
     @cached_property
     def damped(self) -> ModalBasis:
@@ -217,7 +217,7 @@ class Moded:
             basis = with_damping(self.bare, self.damping)
         else:
             basis = carry_damping(self.damping, self.reference, self.bare)
-        return basis if self.solved is None else in_air(basis, self.solved)
+        return basis if self.solved is None else add_cavities(basis, self.solved)
 
     @cached_property
     def free(self) -> Floats:
@@ -288,7 +288,7 @@ class Trials:
             self.runs += 1
             self.progress(f"identify {', '.join(self.parameters)}: run {self.runs}")
             source = self._read(values)
-            with positioned(source):
+            with with_positions(source):
                 modes = self._with_reference(*_described(source)) if self.needs.up_to_hz else None
                 result = self._run(source, estimated=False) if self.needs.run and isinstance(source, Plan) else None
             self._trials = {
@@ -303,7 +303,7 @@ class Trials:
         if self.needs.run:
             source = self._read(values)
             assert isinstance(source, Plan)
-            with positioned(source):
+            with with_positions(source):
                 return self._run(source, estimated=True).findings
         own, frfs = self.at(values).modes, self.needs.frfs
         assert own is not None

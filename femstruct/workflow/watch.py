@@ -12,7 +12,7 @@ from typing import Final
 from femstruct.language.cases import read_study
 from femstruct.study.results import StudyResult
 from femstruct.study.study import Plan
-from femstruct.workflow.bases import positioned
+from femstruct.workflow.bases import with_positions
 from femstruct.workflow.provenance import Progress
 from femstruct.workflow.run import KeptStages, run_again, write_numbers
 
@@ -62,7 +62,7 @@ def rounds(
             plan = read_study(study, tuple(sets), only=case or None)
             files = _files(study, plan)
             stamp = _stamp(files)
-            with positioned(plan):
+            with with_positions(plan):
                 result, left = run_again(plan, kept, progress, command)
             # Ctrl-C after the baseline: the watch ends, and what is not whole is not kept
             if any(one.code == "interrupted" for one in result.findings):

@@ -18,7 +18,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from acoustics.errors import AcousticsError
 from femstruct.conventions import DIRECTIONS
-from femstruct.errors import FemstructError, InputError, InputErrors, sentence, some_of
+from femstruct.errors import FemstructError, InputError, InputErrors, list_some, sentence
 from femstruct.files.text_tables import content
 
 # ----------------------------------------------------------------------------------------------------------------------
@@ -107,7 +107,7 @@ def nearest(name: str, known: Iterable[object]) -> str:
     if meant := near_one(name, known):
         return meant
     names = sorted({str(one) for one in known})
-    return f"known here: {some_of(names)}" if names else ""
+    return f"known here: {list_some(names)}" if names else ""
 
 
 def near_one(name: str, known: Iterable[object]) -> str:
@@ -118,7 +118,7 @@ def near_one(name: str, known: Iterable[object]) -> str:
     """
     several = _holding(name, known := [str(one) for one in known])
     if len(several) > 1:
-        return f"did you mean one of {some_of(several)}?"
+        return f"did you mean one of {list_some(several)}?"
     near = near_name(name, known)
     if near and near != name and normalize("NFKC", near).split() == normalize("NFKC", name).split():
         return f"'{near}' looks alike, but has other characters (Unicode): copy it from there"
@@ -391,7 +391,7 @@ def _siblings(path: Path) -> list[str]:
 
 def _compose(text: str, file: str) -> Node:
     """The nodes of a text; raises InputErrors for what is no YAML."""
-    at, told = Position(file, 1, 1), ("an empty file", "a mapping", "begin with 'title: ...'")
+    at, mistake = Position(file, 1, 1), ("an empty file", "a mapping", "begin with 'title: ...'")
     try:
         if _bracket_depth(text) > 10 * DEEPEST:  # the YAML reader's time grows with its square
             raise RecursionError
@@ -404,15 +404,15 @@ def _compose(text: str, file: str) -> Node:
         at = Position(file, mark.line + 1, mark.column + 1) if mark else at
         words = " ".join(str(part) for part in (error.context, error.problem) if part)
         tabs = "indent with spaces: YAML has no tabs" if "found character '\\t'" in words else ""
-        told = (f"broken YAML ({words})", "YAML", tabs or _to_mend(error, quoted, text))
+        mistake = (f"broken YAML ({words})", "YAML", tabs or _to_mend(error, quoted, text))
     except YAMLError:
-        told = ("characters that are not text", "a text file", "")
+        mistake = ("characters that are not text", "a text file", "")
     except RecursionError:
-        told = ("endless nesting", f"at most {DEEPEST} levels", "")
+        mistake = ("endless nesting", f"at most {DEEPEST} levels", "")
     except (ValueError, AssertionError, AttributeError, TypeError, LookupError) as error:
         # the YAML reader trips over some broken texts with its own errors
-        told = (f"broken YAML ({error})", "YAML", "")
-    raise _refused(at, *told)
+        mistake = (f"broken YAML ({error})", "YAML", "")
+    raise _refused(at, *mistake)
 
 
 def _to_mend(error: MarkedYAMLError, quoted: bool, text: str) -> str:

@@ -23,7 +23,7 @@ from pydantic_core import PydanticCustomError
 
 from femstruct.declared import Count as AnyCount
 from femstruct.declared import Declared, Refers, declared, refuse_together
-from femstruct.errors import FemstructError, InputError, InputErrors, shown_as
+from femstruct.errors import FemstructError, InputError, InputErrors, quote_value
 from femstruct.files.band_tables import read_bands
 from femstruct.files.text_tables import beside, wrong_in
 from femstruct.model.materials import MOST_LOSSES
@@ -104,7 +104,7 @@ class Spec(BaseModel):
         refuse_together(cls, value)
 
 
-def brought(*names: str) -> ConfigDict:
+def brought_by_key(*names: str) -> ConfigDict:
     """The schema of a mapping of which another key may bring these: a source its mass, a wool its density."""
 
     def loosen(schema: dict[str, Any]) -> None:
@@ -116,7 +116,7 @@ def brought(*names: str) -> ConfigDict:
 def _text(value: object) -> str:
     if not isinstance(value, str):
         do = "" if value is None else "put quotes around it if it is meant as text"
-        raise refuse(shown_as(value), "a name or text", do)
+        raise refuse(quote_value(value), "a name or text", do)
     if not value.strip():
         raise refuse("an empty text", "a name or text")
     return value
@@ -124,13 +124,13 @@ def _text(value: object) -> str:
 
 def _flag(value: object) -> bool:
     if not isinstance(value, bool):
-        raise refuse(shown_as(value), "true or false")
+        raise refuse(quote_value(value), "true or false")
     return value
 
 
 def _count(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 < value <= 100_000:
-        raise refuse(shown_as(value), "a whole number from 1 to 100000")
+        raise refuse(quote_value(value), "a whole number from 1 to 100000")
     return value
 
 
@@ -163,7 +163,7 @@ def only(words: Sequence[str], expected: str = "", do: str = "") -> Callable[[ob
         if isinstance(value, str) and value in words:
             return value
         near = near_one(str(value), words) if value else ""
-        raise refuse(shown_as(value), expected or f"one of {', '.join(words)}", near or do)
+        raise refuse(quote_value(value), expected or f"one of {', '.join(words)}", near or do)
 
     return read
 
@@ -202,7 +202,7 @@ def so_many(
         if or_one and not isinstance(value, list):
             return read(value)
         if not isinstance(value, list | tuple) or len(value) not in counts:
-            got = f"{len(value)} {many}" if many and isinstance(value, list) else shown_as(value)
+            got = f"{len(value)} {many}" if many and isinstance(value, list) else quote_value(value)
             raise refuse(got, expected, do)
         return tuple(read(one) for one in value)
 
@@ -255,7 +255,7 @@ def _walked(annotation: Any, metadata: tuple[Any, ...], path: tuple[Any, ...]) -
             yield from _walked(field.annotation, tuple(field.metadata), (*here, field.alias or key))
 
 
-def found(value: Any, path: tuple[Any, ...], steps: Steps = ()) -> Iterator[tuple[Steps, str]]:
+def names_at(value: Any, path: tuple[Any, ...], steps: Steps = ()) -> Iterator[tuple[Steps, str]]:
     """Every name that a tree has at a path, with its steps."""
     if not path:
         if isinstance(value, str):
@@ -263,20 +263,20 @@ def found(value: Any, path: tuple[Any, ...], steps: Steps = ()) -> Iterator[tupl
         return
     step, rest = path[0], path[1:]
     if step == EACH and not isinstance(value, dict | list):
-        yield from found(value, rest, steps)
+        yield from names_at(value, rest, steps)
     elif isinstance(step, tuple):
         if isinstance(value, dict) and value.get(step[0]) == step[1]:
-            yield from found(value, rest, steps)
+            yield from names_at(value, rest, steps)
     else:
         items = dict(enumerate(value)) if isinstance(value, list) else value if isinstance(value, dict) else {}
         for key in items if step == EACH else [step] if step in items else ():
-            yield from found(items[key], rest, (*steps, key))
+            yield from names_at(items[key], rest, (*steps, key))
 
 
 def check_references(schema: type[Spec], here: Here) -> None:
     """Note the names in a file that nothing of their kind has."""
     for path, refers in references(schema):
-        for steps, name in found(here.tree.value, path) if refers.kind else ():
+        for steps, name in names_at(here.tree.value, path) if refers.kind else ():
             here.at(*steps).known(name, refers.kind)
 
 
@@ -411,7 +411,7 @@ def band_file(value: dict[str, Any], quantity: Quantity, info: ValidationInfo) -
     """Values by band of a table {file: NAME, column: NAME}, each within the limits of its quantity."""
     column = value.get("column") or ""
     if not isinstance(column, str):
-        raise refuse(shown_as(value), "the name of a column", "write it like {file: t60.csv, column: T20}")
+        raise refuse(quote_value(value), "the name of a column", "write it like {file: t60.csv, column: T20}")
 
     def made(path: Path, sources: dict[str, str]) -> dict[float, float]:
         found = read_bands(path, quantity.dimensions[0], sources, column)
@@ -437,7 +437,7 @@ def made_of_file(
     if others:
         raise refuse(f"the key '{others[0]}' beside 'file'", " and ".join(f"'{key}'" for key in keys), "remove it")
     if not isinstance(name, str):
-        raise refuse(shown_as(name), "the name of a file", "write it like {file: t60.csv}")
+        raise refuse(quote_value(name), "the name of a file", "write it like {file: t60.csv}")
     if not isinstance(opened, Opened):
         raise refuse(f"the file '{name}'", "values", "files are read where a YAML file names them")
     try:

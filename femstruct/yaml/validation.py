@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from femstruct.errors import shown_as
+from femstruct.errors import quote_value
 from femstruct.units import QuantityError
 from femstruct.yaml.reader import Mistakes, Steps, Tree, dotted, near_name, near_one, nearest
 from femstruct.yaml.spec import OF_FILE, Opened, Spec
@@ -44,8 +44,8 @@ def validate(
         for one in unknown:
             _note(one, schema, tree, mistakes)
         for one in found:
-            told = one["type"] == "extra_forbidden" or one["loc"] in cut or _missing(one, schema) in meant
-            if not told:
+            noted = one["type"] == "extra_forbidden" or one["loc"] in cut or _missing(one, schema) in meant
+            if not noted:
                 _note(one, schema, tree, mistakes)
         return None
 
@@ -95,11 +95,11 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
     if kind == "missing" and isinstance(loc[-1], int):
         steps = steps[:-1]
     at = tree.position(steps, of_key=kind == "extra_forbidden" or (kind == "missing" and isinstance(loc[-1], str)))
-    got, expected, do = _told(kind, error["input"], error.get("ctx", {}), loc, schema) or ("", error["msg"], "")
-    mistakes.add(at, dotted(steps), got=got or shown_as(error["input"]), expected=expected, do=do)
+    got, expected, do = _noted(kind, error["input"], error.get("ctx", {}), loc, schema) or ("", error["msg"], "")
+    mistakes.add(at, dotted(steps), got=got or quote_value(error["input"]), expected=expected, do=do)
 
 
-def _told(
+def _noted(
     kind: str, given: Any, context: dict[str, Any], loc: Steps, schema: type[BaseModel]
 ) -> tuple[str, str, str] | None:
     """What was got ("" for the value as it is shown), what is expected, what to do; None for what pydantic says."""
@@ -174,8 +174,8 @@ def _allowed(schema: Any, loc: Steps) -> list[str]:
 
 def _instead(schema: Any, loc: Steps) -> tuple[str, str]:
     """The key that says what an unknown one says of another kind, and how; nothing where it is none of these."""
-    said = [each for one in _specs(schema, loc[:-1]) for each in one.instead]
-    return next(((key, do) for other, key, do in said if other == loc[-1]), ("", ""))
+    alternatives = [each for one in _specs(schema, loc[:-1]) for each in one.instead]
+    return next(((key, do) for other, key, do in alternatives if other == loc[-1]), ("", ""))
 
 
 def _meant(schema: Any, loc: Steps, value: Any) -> str:

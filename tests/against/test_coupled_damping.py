@@ -15,7 +15,7 @@ import femstruct.modal.oscillators as making
 from femstruct.errors import NotConverged
 from femstruct.impact.batch import simulate_batch
 from femstruct.impact.scene import Blows, Body, Clock, Contact, HalfSine, Load, Scene
-from femstruct.impact.shares import held, mode_energies
+from femstruct.impact.shares import energy_by_holder, mode_energies
 from femstruct.impact.simulate import simulate
 from femstruct.laws.hertz import Hertz
 from femstruct.laws.linear import Linear
@@ -88,7 +88,7 @@ def struck_by_hand(basis: ModalBasis, place: Probe, spring: float, mass: float, 
 def test_a_ball_on_a_floor_with_wool(marching: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Motion of all modes and of the ball, through a contact and after, of both marches."""
     if marching == "collocation":
-        monkeypatch.setattr(engine, "takes_exact_march", lambda *_: False)
+        monkeypatch.setattr(engine, "is_piecewise_linear", lambda *_: False)
     basis, place = with_wool(12, 1)
     scene = Scene((Body("ball", 0.4, -1.0),), (Contact("c", "ball", place, Linear(4e5)),))
     response = simulate(basis, scene, Clock(0.03, 8e3))
@@ -137,7 +137,7 @@ def test_energies_at_the_separation() -> None:
     assert sum(found.held_at_separation.values()) == pytest.approx(apart.structure, rel=1e-9)
     assert sum(found.held_at_end.values()) == pytest.approx(response.ledger.end.structure, rel=1e-9)
     assert apart.total == pytest.approx(0.2, rel=1e-9)  # the ball's, 0.4 kg at 1 m/s
-    last = held(basis, response.q[:, -1], response.qd[:, -1])
+    last = energy_by_holder(basis, response.q[:, -1], response.qd[:, -1])
     assert sum(last.values()) == pytest.approx(response.ledger.structure[-2], rel=0.1)  # a sample before the end
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from femstruct.files.results_file import write_results
-from femstruct.workflow.exchange import exported
+from femstruct.workflow.exchange import export_source
 
 DATA = Path(__file__).parents[1] / "data" / "study_by_hand.py"
 BY_HAND = runpy.run_path(str(DATA))
@@ -89,7 +89,7 @@ def test_pyvista_opens_results_and_what_is_exported_of_them_without_a_word(seen,
     path = tmp_path / "results.h5"
     write_results(path, BY_HAND["study_by_hand"]())
     if to == "vtu":
-        (path,) = exported(path, "vtu", tmp_path, None, (), "femstruct export", lambda stage: None)
+        (path,) = export_source(path, "vtu", tmp_path, None, (), "femstruct export", lambda stage: None)
     words = [sys.executable, "-W", "error", "-c", PYVISTA, str(path), str(tmp_path / "seen.npz")]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     assert done.stderr == ""

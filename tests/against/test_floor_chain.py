@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import cont2discrete, lfilter
 
-from acoustics.levels.bands import ended
+from acoustics.levels.bands import truncate_response
 from acoustics.receivers import Receiver
 from acoustics.room_response import RoomResponse
 from femstruct.files.results_file import write_results
@@ -227,7 +227,7 @@ def test_pressure_against_the_modal_equations_of_the_air(
     for receiver, place in (("mic", MIC), ("corner", CORNER)):
         expected = _pressure(study, oracles[name], name, place)[::DENSE]
         heard = RoomResponse((Receiver(receiver, place),), np.arange(len(expected)) / SAMPLING, expected[None])
-        expected = ended(heard, study.cases[name].basis.complete_below_hz).p[0]  # above it nothing is heard
+        expected = truncate_response(heard, study.cases[name].basis.complete_below_hz).p[0]  # above it nothing is heard
         found = study.cases[name].channels[f"box.{receiver} pressure"]
         end = int(0.95 * len(expected))  # the last 5 % of a record that has not decayed are less accurate
         # modes of the air to 11 along z: 4e-5 here

@@ -20,7 +20,7 @@ import femstruct as fs
 from femstruct.errors import FemstructError, InputError, InputErrors
 from femstruct.files.matrices_input import read_dof_table
 from femstruct.files.op4 import read_op4
-from femstruct.workflow.exchange import exported
+from femstruct.workflow.exchange import export_source
 
 OP4 = Path(__file__).parents[1] / "data" / "op4"
 FILES = sorted(path.name for path in OP4.glob("*.op4"))
@@ -229,7 +229,7 @@ def test_our_own_export_is_taken_back_by_its_json(tmp_path: Path) -> None:
     )
     bar = "parts: {bar: {type: frame, material: steel, section: s, lines: [[[0, 0, 0], [20, 0, 0]]], mesh: 5}}\n"
     (tmp_path / "free.yaml").write_text(steel + bar, encoding="utf-8")
-    exported(tmp_path / "free.yaml", "mtx", tmp_path, None, (), "", print)
+    export_source(tmp_path / "free.yaml", "mtx", tmp_path, None, (), "", print)
     taken = "parts: {fan: {type: matrices, file: {M: free.M.mtx, K: free.K.mtx}, nodes: free.dofs.csv}}\n"
     (tmp_path / "again.yaml").write_text(taken, encoding="utf-8")
     with pytest.raises(InputErrors) as refused:

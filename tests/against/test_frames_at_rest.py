@@ -13,7 +13,7 @@ import femstruct.modal.coupled_damping as states
 import femstruct.modal.oscillators as finishing
 from femstruct.impact.batch import simulate_batch
 from femstruct.impact.scene import Blows, Body, Clock, Contact, HalfSine, Load, Scene
-from femstruct.impact.shares import held_over_time, mode_energies
+from femstruct.impact.shares import energy_by_holder_over_time, mode_energies
 from femstruct.impact.simulate import simulate
 from femstruct.laws.hertz import Hertz
 from femstruct.laws.linear import Linear
@@ -98,7 +98,7 @@ def test_a_blow_is_the_same_with_fewer(law: Hertz | Linear) -> None:
     shares, theirs = mode_energies(few), mode_energies(all_of_them)
     assert sum(shares.held_at_end.values()) == pytest.approx(few.ledger.end.structure, rel=1e-9)  # rounding
     assert shares.held_at_end == pytest.approx(theirs.held_at_end, rel=1e-6)  # of what is left: the tolerance above
-    over, other = held_over_time(few, few.ledger.t), held_over_time(all_of_them, few.ledger.t)
+    over, other = energy_by_holder_over_time(few, few.ledger.t), energy_by_holder_over_time(all_of_them, few.ledger.t)
     assert over["b"] == pytest.approx(other["b"], abs=STEPS * other["b"].max())
     mine, theirs_too = (one.displacement(place.of(basis.shapes)) for one in runs)
     assert mine == pytest.approx(theirs_too, abs=STEPS * np.abs(theirs_too).max())

@@ -13,8 +13,8 @@ import pytest
 from femstruct.errors import NotConverged
 from femstruct.impact import numerical_error as estimate
 from femstruct.impact import simulate as engine
-from femstruct.impact.contact_events import DONE, STICKS, ended, room_for
-from femstruct.impact.exact import ExactSteps, exact_march, exact_room, exact_rule
+from femstruct.impact.contact_events import DONE, STICKS, empty_record, ended
+from femstruct.impact.exact import ExactSteps, exact_rule, exact_workspace, integrate_exactly
 from femstruct.impact.numerical_error import error_of
 from femstruct.impact.propagation import State
 from femstruct.impact.response import EnergyBalance, Response
@@ -34,7 +34,7 @@ NONE = given_modes([], [], {})[0]
 
 @pytest.fixture(autouse=True)
 def _always_exact(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "takes_exact_march", lambda *_: True)
+    monkeypatch.setattr(engine, "is_piecewise_linear", lambda *_: True)
 
 
 def built(told: dict) -> tuple[ModalBasis, Scene]:
@@ -110,7 +110,7 @@ def test_forty_digits(case: dict) -> None:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["scene"]["name"])
 def test_estimate_of_rounding(case: dict, monkeypatch: pytest.MonkeyPatch) -> None:
     """End speeds against 40 digits: within three times the estimate, which is small where nothing grazes."""
-    monkeypatch.setattr(estimate, "takes_exact_march", lambda *_: True)
+    monkeypatch.setattr(estimate, "is_piecewise_linear", lambda *_: True)
     basis, scene = built(case["scene"])
     duration = case["scene"]["duration"]
     response = simulate(basis, scene, Clock(duration, 100 / duration))
@@ -189,7 +189,7 @@ def test_collocation_says_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both marches through all laws and loads: samples, forces, events, peaks and every energy."""
     basis, scene = everything()
     exact = simulate(basis, scene, Clock(0.05, 4e3))
-    monkeypatch.setattr(engine, "takes_exact_march", lambda *_: False)
+    monkeypatch.setattr(engine, "is_piecewise_linear", lambda *_: False)
     other = simulate(basis, scene, Clock(0.05, 4e3, tolerance=1e-11))
     assert exact.ledger.residual < 1e-13  # steps and rounding: 4e-15 here
     assert [(e.contact, e.what) for e in exact.events] == [(e.contact, e.what) for e in other.events]
@@ -217,9 +217,9 @@ def marched(response: Response, z: np.ndarray, v: np.ndarray) -> tuple[int, Stat
     compiled = compile_scene(response.basis, response.scene, response.clock)
     system, m = compiled.system, len(compiled.system.interfaces)
     state = State(z.copy(), v.copy(), np.zeros(m, dtype=np.int64), np.zeros(m), np.zeros(len(system.rows)), np.zeros(m))
-    record = room_for(system, 0)
+    record = empty_record(system, 0)
     steps = ExactSteps(response.clock.duration, interval=1.0, longest=np.inf, max_steps=10**6)
-    how = exact_march(system, state, exact_rule(), exact_room(system), record, steps)
+    how = integrate_exactly(system, state, exact_rule(), exact_workspace(system), record, steps)
     return how, state
 
 
@@ -268,7 +268,7 @@ def test_endless_switching_raises(monkeypatch: pytest.MonkeyPatch) -> None:
     def sticks(*args: Any) -> int:
         return ended(args[4], STICKS, 0.25, 1, 0)
 
-    monkeypatch.setattr(engine, "exact_march", sticks)
+    monkeypatch.setattr(engine, "integrate_exactly", sticks)
     with pytest.raises(NotConverged, match=r"switch endlessly at t = 0.25 s"):
         simulate(NONE, Scene((Body("b", 1.0),)), Clock(1.0, 100.0))
 

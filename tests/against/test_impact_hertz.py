@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from femstruct.impact.collocation import collocate, levels_for, state_at_start
-from femstruct.impact.contact_events import room_for
+from femstruct.impact.contact_events import empty_record
 from femstruct.impact.numerical_error import STRICTEST, error_of
 from femstruct.impact.propagation import collocation_rule, tabulated
 from femstruct.impact.response import Response
@@ -23,8 +23,8 @@ from femstruct.laws.hertz import Hertz
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.closed_form import beam, given_modes
 from femstruct.model.probe import Probe
-from femstruct.workflow.bases import damped, solve_all
-from femstruct.workflow.staging import scene
+from femstruct.workflow.bases import damp_basis, solve_all
+from femstruct.workflow.staging import build_scene
 
 ROUNDING = 1e-10  # steps and rounding: 2e-13 here at most
 
@@ -120,7 +120,7 @@ def test_order_of_equal_steps_is_that_of_the_onset() -> None:
     compiled = compile_scene(NONE, scene, Clock(64 * lasting, 8 / lasting))
     errors = []
     for halvings in range(6):
-        record = room_for(compiled.system, compiled.n_samples)
+        record = empty_record(compiled.system, compiled.n_samples)
         tables = tabulated(compiled.system, levels_for(compiled.halvings), collocation_rule())
         collocate(compiled, np.inf, tables, state_at_start(compiled), record, halvings)
         errors.append(abs(record.peak[0, 0] / peak - 1))
@@ -172,10 +172,10 @@ def test_ball_on_the_shipped_floor(study: str) -> None:
     plan = read_study(MODELS / f"{study}.study.yaml")
     case = next(case for case in plan.cases if case.name == plan.baseline)
     solved = solve_all([case])[case.name]
-    basis = damped(case, {case.name: solved}, case)
+    basis = damp_basis(case, {case.name: solved}, case)
     assert "residual" in basis.kind and basis.modes.stop > 80
     assert not (basis.time_damping - np.diag(np.diag(basis.time_damping))).any()  # as `Hit` has it
-    shipped = scene(case.study, solved.places, basis)
+    shipped = build_scene(case.study, solved.places, basis)
     (body,), (contact,) = shipped.bodies, shipped.contacts
     assert isinstance(contact.law, Hertz) and isinstance(contact.lower, Probe) and contact.gap == 0.0
     hit = Hit(

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from femstruct.impact.collocation import CollocationSteps, levels_for, march, march_room, state_at_start
-from femstruct.impact.contact_events import DONE, STEPS, room_for
+from femstruct.impact.collocation import CollocationSteps, collocation_workspace, integrate, levels_for, state_at_start
+from femstruct.impact.contact_events import DONE, STEPS, empty_record
 from femstruct.impact.propagation import STAGES, collocation_rule, tabulated
 from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.system import compile_scene
@@ -29,11 +29,11 @@ SCENE = Scene(
 def one_step(length: float) -> tuple[np.ndarray, float]:
     """Displacement and velocity of the body, and the largest force, after one step whatever its error."""
     compiled = compile_scene(NONE, SCENE, Clock(length, 1.0 / length))
-    system, state, record = compiled.system, state_at_start(compiled), room_for(compiled.system, 0)
+    system, state, record = compiled.system, state_at_start(compiled), empty_record(compiled.system, 0)
     level = compiled.halvings
     tables = tabulated(system, levels_for(level), collocation_rule())
     steps = CollocationSteps(level, top_level=level, tolerance=np.inf, max_steps=10, paced=10)
-    how = march(system, state, tables, march_room(system), record, steps)
+    how = integrate(system, state, tables, collocation_workspace(system), record, steps)
     assert (how, record.totals[STEPS]) == (DONE, 1.0)
     return np.concatenate((state.z, state.v)), float(record.peak[0, 0])
 

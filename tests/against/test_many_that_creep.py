@@ -12,7 +12,7 @@ import femstruct.modal.oscillators as finishing
 from femstruct.impact.batch import simulate_batch
 from femstruct.impact.response import Response
 from femstruct.impact.scene import Body, Clock, Contact, HalfSine, Load, Scene
-from femstruct.impact.shares import held_over_time, mode_energies
+from femstruct.impact.shares import energy_by_holder_over_time, mode_energies
 from femstruct.impact.simulate import simulate
 from femstruct.laws.hertz import Hertz
 from femstruct.laws.linear import Linear
@@ -152,7 +152,7 @@ def test_samples_inside_long_steps_under_force() -> None:
     for row in (place.of(basis.shapes), other.of(basis.shapes)):
         for of_row, of_modes in ((fine.displacement(row), fine.q), (fine.velocity(row), fine.qd)):
             assert of_row == pytest.approx(row @ of_modes, abs=1e-12 * np.abs(of_row).max())  # rounding
-    over = held_over_time(fine, fine.t[5::7])  # from the state at each sample by itself
+    over = energy_by_holder_over_time(fine, fine.t[5::7])  # from the state at each sample by itself
     for name, holder in basis.holders.items():
         expected = holder.energy(fine.q[:, 5::7], fine.qd[:, 5::7])
         assert over[name] == pytest.approx(expected, abs=1e-12 * expected.max())  # rounding

@@ -13,7 +13,7 @@ from acoustics.losses import Losses, losses_from_beta, losses_from_t60
 from acoustics.meshed.cavity_mesh import CavityMesh, box_mesh
 from acoustics.meshed.finite_elements import cavity_modes, drive, probe, wall_integrals
 from acoustics.meshed.meshed_pressure import cavity_pressure, harmonic_cavity_pressure
-from acoustics.meshed.walls import Wall, absorbed, absorbing, random_incidence_absorption
+from acoustics.meshed.walls import Wall, absorbing, random_incidence_absorption, wall_absorption
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_pressure import pressure
 from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration
@@ -158,7 +158,7 @@ def test_a_wall_couples_two_modes_by_the_geometric_mean_of_what_it_takes_of_each
     air, size = Air(343, 1.21), (1.0, 0.7, 0.4)
     modes = cavity_modes(box_mesh(size, (6, 4, 2)), 10.0)
     wall = Wall({100.0: 0.01, 400.0: 0.05})
-    taken = absorbed(modes, {"x0": wall}, air)
+    taken = wall_absorption(modes, {"x0": wall}, air)
     plain = wall_integrals(modes, "x0") / modes.mesh.volume
     beta = wall.at(modes.wavenumber * air.c / (2 * np.pi))
     assert np.ptp(beta) > 0.03

@@ -7,7 +7,7 @@ import pytest
 
 from acoustics.errors import AcousticsError
 from acoustics.fields.rectangular import Room
-from acoustics.levels.bands import ended
+from acoustics.levels.bands import truncate_response
 from acoustics.levels.sound_levels import sound_levels
 from acoustics.losses import losses_from_t60
 from acoustics.receivers import Receiver
@@ -86,7 +86,7 @@ def test_sound_that_ends_at_the_last_mode_needs_no_samples_for_more() -> None:
     advice = sampling_advice(1204.0, 6000.0)
     assert advice and advice[0].values["source_highest_hz"] == 1204.0
     heard = RoomResponse(tuple(HERE), np.arange(600) / 6e3, np.zeros((1, 600)), advice)
-    assert ended(heard, 1500.0).findings == advice
-    assert ended(heard, 300.0).findings == ()
-    (less,) = ended(heard, 1150.0).findings  # 5.2 samples a period of it
+    assert truncate_response(heard, 1500.0).findings == advice
+    assert truncate_response(heard, 300.0).findings == ()
+    (less,) = truncate_response(heard, 1150.0).findings  # 5.2 samples a period of it
     assert less.values["source_highest_hz"] == 1150.0

@@ -14,7 +14,7 @@ from scipy.sparse.linalg import eigsh
 from femstruct.assembly.matrices import assemble
 from femstruct.assembly.ties import RANK, eliminate, number_dofs
 from femstruct.conventions import GRAVITY
-from femstruct.modal.statics import sunk
+from femstruct.modal.statics import sag_displacements
 from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
 from femstruct.model.regions import Region
@@ -89,7 +89,7 @@ def test_springs_of_a_seam_are_as_many_as_its_nodes_and_that_is_said(cells: int)
     (said,) = joint_spring_findings(model)
     assert said.values["springs"] == cells + 1
     assert f"together ry {10 * (cells + 1)} N m/rad" in said.message
-    turned = sunk(assemble(model))
+    turned = sag_displacements(assemble(model))
     assert turned is not None
     about = turned[model.parts["right"].nodes, 4]
     exact = model.parts["right"].mass * GRAVITY * 0.15 / (10.0 * (cells + 1))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from acoustics.rooms.cavities import Cavity, Frame, Wool, cavity_air, condensed
+from acoustics.rooms.cavities import Cavity, Frame, Wool, cavity_air, condense_air
 from acoustics.source import SurfaceShapes
 from tests.data.cavities_by_hand import AIR, matrices
 
@@ -88,7 +88,7 @@ def test_fewer_coordinates_move_the_ceiling_alike(frame: Frame, thickness: float
     first, second, omega, pushed, read = plates()
     cavity = Cavity(SIZE, AIR, Wool(1e4, 40.0, frame), thickness)
     whole = cavity_air(cavity, first, second, 250.0)
-    few = condensed(whole, omega, 120.0)
+    few = condense_air(whole, omega, 120.0)
     assert len(few.viscous) <= len(whole.viscous) - 10 * (frame == "limp")
     for hz in (10.0, 31.5, 50.0, 100.0):
         answers = [answer(*matrices(one, omega**2), omega, pushed, read, hz) for one in (whole, few)]
@@ -97,7 +97,7 @@ def test_fewer_coordinates_move_the_ceiling_alike(frame: Frame, thickness: float
 
 def test_nothing_grows_when_coordinates_are_left_out() -> None:
     first, second, omega, _, _ = plates()
-    few = condensed(cavity_air(Cavity(SIZE, AIR, Wool(1e4), 0.1), first, second, 200.0), omega, 120.0)
+    few = condense_air(cavity_air(Cavity(SIZE, AIR, Wool(1e4), 0.1), first, second, 200.0), omega, 120.0)
     M, C, K = matrices(few, omega**2)
     for matrix in (C, K):
         values = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))

@@ -21,7 +21,7 @@ from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.meshed.walls import YieldingWall
 from acoustics.rooms.box_coupling import Leak
 from femstruct.impact.scene import Clock, HalfSine, Load, Scene
-from femstruct.impact.shares import held_over_time, mode_energies
+from femstruct.impact.shares import energy_by_holder_over_time, mode_energies
 from femstruct.impact.simulate import simulate
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.closed_form import oscillator
@@ -80,7 +80,7 @@ def by_hand(wall: YieldingWall, t: np.ndarray) -> dict[str, np.ndarray]:
 def test_energies_of_piston_air_and_wall() -> None:
     response = simulate(over(WALL), Scene(loads=(PUSH,)), Clock(0.1, 8e3))
     t = np.linspace(0.02, 0.095, 301)  # on samples
-    found, exact = held_over_time(response, t), by_hand(WALL, t)
+    found, exact = energy_by_holder_over_time(response, t), by_hand(WALL, t)
     whole = sum(exact.values()).max()
     assert list(found) == list(exact)
     for name, energy in exact.items():

@@ -12,9 +12,9 @@ import pytest
 
 import femstruct as fs
 from femstruct.errors import FemstructError, InputErrors
-from femstruct.impact.scene import scattered
+from femstruct.impact.scene import blow_scatter
 from femstruct.study.results import StudyResult
-from femstruct.workflow.bases import positioned
+from femstruct.workflow.bases import with_positions
 
 BANDS = (100, 125, 160, 200, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150)
 MODEL = """
@@ -53,7 +53,7 @@ def written(folder: Path, more: str = "", edits: dict[str, str] | None = None) -
 
 def ran(path: Path, sets: tuple[str, ...] = ()) -> StudyResult:
     plan = fs.read_study(path, sets)
-    with positioned(plan):
+    with with_positions(plan):
         return fs.run_study(plan)
 
 
@@ -179,18 +179,18 @@ def test_coverings_and_blows_that_are_wrong_are_one_line(name: str, tmp_path: Pa
 def test_scattered_blows_keep_the_tolerances_of_the_standard(tmp_path: Path) -> None:
     """ISO 10140-5 annex E: 100 +- 20 ms between two blows, 100 +- 5 ms on average; repeatable by their seed."""
     for seed in range(1, 40):
-        times = (0.1 * np.arange(20) + scattered(4, seed).ravel()) * 1e3
+        times = (0.1 * np.arange(20) + blow_scatter(4, seed).ravel()) * 1e3
         assert np.abs(np.diff(times) - 100.0).max() <= 20.0
         assert abs(np.diff(times).mean() - 100.0) <= 5.0
     edits = {"1 MN/m}}": "1 MN/m}, blows: {count: 3, timing: scattered, seed: 7}}"}
     first, again = (fs.read_study(written(tmp_path, edits=edits)).cases[0].study for _ in range(2))
     other = fs.read_study(written(tmp_path, edits={"1 MN/m}}": edits["1 MN/m}}"].replace("7", "8")})).cases[0].study
     late = [np.array([body.blows.late for body in study.bodies if body.blows]).T for study in (first, again, other)]
-    assert late[0] == pytest.approx(scattered(3, 7)) and (late[0] == late[1]).all() and (late[0] != late[2]).any()
+    assert late[0] == pytest.approx(blow_scatter(3, 7)) and (late[0] == late[1]).all() and (late[0] != late[2]).any()
     struck = ran(written(tmp_path, edits=edits)).cases["as given"].response
     assert struck is not None
     t = np.array(sorted(blow.t for blow in struck.blows))
-    assert t == pytest.approx(0.1 * np.arange(15) + scattered(3, 7).ravel(), abs=1 / 8000)  # ticks of the clock
+    assert t == pytest.approx(0.1 * np.arange(15) + blow_scatter(3, 7).ravel(), abs=1 / 8000)  # ticks of the clock
 
 
 def test_scatter_takes_the_lines_out_of_the_spectrum() -> None:
@@ -198,7 +198,7 @@ def test_scatter_takes_the_lines_out_of_the_spectrum() -> None:
     f, turns = np.array([10.0, 20.0, 30.0, 130.0]), 8
     left = np.zeros(4)
     for seed in range(1, 201):
-        times = 0.1 * np.arange(5 * turns) + scattered(turns, seed).ravel()
+        times = 0.1 * np.arange(5 * turns) + blow_scatter(turns, seed).ravel()
         left += np.abs(np.exp(2j * np.pi * np.outer(f, times)).mean(axis=1)) ** 2 / 200
     share = np.sinc(2 * f * 0.01) ** 2
     # 1/40 of power beside the lines; 200 seeds: a tenth of the rest

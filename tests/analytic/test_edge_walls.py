@@ -179,7 +179,9 @@ def test_without_walls_nothing_is_turned() -> None:
     values = np.array([1.0, 4.0, 9.0, 100.0])
     own = own_modes(np.diag(values), [np.zeros((4, 4), dtype=np.complex128)], 1.0, 0, 3, 1)
     assert own.omega == pytest.approx([1.0, 2.0, 3.0], rel=1e-12) and (own.loss == 0.0).all()  # rounding
-    assert np.abs(own.turn) == pytest.approx(np.eye(4), abs=1e-12) and own.rest == pytest.approx([100.0])  # rounding
+    assert np.abs(own.turn) == pytest.approx(np.eye(4), abs=1e-12) and own.residual_squared == pytest.approx(
+        [100.0]
+    )  # rounding
 
 
 @pytest.mark.parametrize(

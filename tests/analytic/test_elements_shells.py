@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import eigh
 
 from femstruct.elements import quad_shell, triangle_shell
-from femstruct.elements.flat_elements import angles, frames, turned, turned_resultants
+from femstruct.elements.flat_elements import angles, frames, rotate_resultants, rotate_rigidities
 
 HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "shells_by_hand.py"))
 Shell, all_of, grid, halves, isotropic = (HAND[name] for name in ("Shell", "all_of", "grid", "halves", "isotropic"))
@@ -166,7 +166,7 @@ def test_moments_and_shear_forces_of_a_plate_under_pressure(kind):
         got = np.einsum("nki,ni->nk", rows, moved[plate.dofs])
         x, y = corners.mean(axis=1)[:, :2].T
         angle = np.arctan2(*np.swapaxes(frames(corners)[:, 0, 1::-1], 0, 1))
-        got = np.einsum("nki,ni->nk", turned_resultants(np.broadcast_to(np.eye(8), (len(x), 8, 8)), -angle), got)
+        got = np.einsum("nki,ni->nk", rotate_resultants(np.broadcast_to(np.eye(8), (len(x), 8, 8)), -angle), got)
         m = np.arange(1, 80, 2) * np.pi
         k2 = m[:, None] ** 2 + m**2
         w = 16 / np.outer(m, m) / k2**2
@@ -223,7 +223,7 @@ def test_layers_that_couple_stretching_and_bending(kind, most):
         cells = quads if kind == "quads" else halves(quads)
         R = frames(nodes[cells])
         to_x = angles(R, [1.0, 0.0, 0.0])
-        plate = Shell(nodes, cells, tuple(turned(of, to_x) for of in (A, B, D, As)), (m0, 0.0, m2))
+        plate = Shell(nodes, cells, tuple(rotate_rigidities(of, to_x) for of in (A, B, D, As)), (m0, 0.0, m2))
         on_x, on_y = (np.flatnonzero((square[:, axis] == 0) | (square[:, axis] == 1)) for axis in (0, 1))
         held = np.union1d(all_of(on_x, UY, UZ, RX), all_of(on_y, UX, UZ, RY))
         found.append(plate.frequencies(held, 1)[0])

@@ -12,7 +12,7 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.sections import Section
 from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.frame import Frame
-from femstruct.parts.wave_findings import carried_hz, frame_waves, mesh_findings
+from femstruct.parts.wave_findings import frame_waves, mesh_findings, mesh_limit_hz
 
 ROUNDING = 1e-13  # rounding: 6e-16 here at most
 
@@ -67,7 +67,7 @@ def test_bars_to_a_torsional_wave_err_by_a_percent_at_most(element: str, needed:
     (found,) = told(element, 1.001 * limit, section)
     assert "torsional wave" in found.message
     assert f"needs {needed:g}" in found.message
-    assert carried_hz(mesh_structure(bar(element, section))) == pytest.approx(limit, rel=ROUNDING)
+    assert mesh_limit_hz(mesh_structure(bar(element, section))) == pytest.approx(limit, rel=ROUNDING)
     held = bar(element, section, ("x", "y", "z", "rx", "ry", "rz"))
     basis = modal_basis(assemble(mesh_structure(held)), up_to=1.2 * limit)
     turning = basis.frequency_hz[np.abs(basis.shapes[:, 3]).max(axis=0) > 0.0]
@@ -98,4 +98,4 @@ def test_a_frame_without_mass_has_no_waves() -> None:
     stays = Frame("stays", Material("light", 210e9, 0.3, 0.0), SECTION, (((0, 0, 0), (1.0, 0, 0)),))
     model = mesh_structure(Structure("stays", (stays,)))
     assert mesh_findings(model, 1e4) == ()
-    assert carried_hz(model) == np.inf
+    assert mesh_limit_hz(model) == np.inf

@@ -16,9 +16,9 @@ import pytest
 import xarray
 
 from femstruct.campaign.designs import Designs
-from femstruct.campaign.front_search import _found, evolution, pareto_front, searched
+from femstruct.campaign.front_search import _found, evolution, pareto_front, run_generations
 from femstruct.campaign.optimise import optimise, set_aside
-from femstruct.campaign.rows import Journal, Number, Row, opened, write_optimum
+from femstruct.campaign.rows import Journal, Number, Row, open_journal, write_optimum
 from femstruct.campaign.tasks import Task, rows_of
 from femstruct.errors import InputError
 from femstruct.files.campaign_files import read_found, read_swept
@@ -85,9 +85,9 @@ def found_for(search: Search, row: Callable[[dict[str, str]], Row]) -> Front:
             for number, changes in task.samples:
                 done([replace(row(dict(text.split("=") for text in changes)), sample=number)])
 
-    with opened(Path(":memory:"), "formula") as journal:
+    with open_journal(Path(":memory:"), "formula") as journal:
         designs = Designs(search, "a", journal, run, lambda done: None)
-        generations, *ended = searched(designs, evolution(search))
+        generations, *ended = run_generations(designs, evolution(search))
         return _found(search, designs, generations, (ended[0], ended[1]), rows_table(designs, journal))
 
 

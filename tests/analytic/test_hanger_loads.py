@@ -14,7 +14,7 @@ from femstruct.model.structure import PlaceOn, Structure, Support
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.mass import Mass
 from femstruct.parts.plate import Plate
-from femstruct.workflow.bases import hung
+from femstruct.workflow.bases import hanger_loads
 from femstruct.workflow.structure_findings import structure_findings_before
 
 STONE = Material("stone", E=30e9, nu=0.2, rho=2300.0)
@@ -35,7 +35,7 @@ def told(*parts: Part, supports: tuple[Support, ...] = (HELD,)) -> tuple[list[st
     structure = Structure("hung", (FLOOR, CEILING, *parts), points=points, supports=supports)
     model = mesh_structure(structure)
     found = [one.message for one in structure_findings_before(structure, model) if one.code == "hangers-overloaded"]
-    return found, {name: one["mean_load_n"] for name, one in hung(model).items()}
+    return found, {name: one["mean_load_n"] for name, one in hanger_loads(model).items()}
 
 
 def test_too_few_hangers_are_told_with_how_many_it_takes() -> None:

@@ -16,7 +16,7 @@ from femstruct.impact.simulate import simulate
 from femstruct.laws.hertz import Hertz
 from femstruct.laws.linear import Linear
 from femstruct.modal.closed_form import given_modes
-from femstruct.workflow.fit import Fit, Left, combinations, fit, fit_findings, fitted, parameter
+from femstruct.workflow.fit import Fit, Left, combinations, fit, fit_findings, fit_parameters, parameter
 
 ROUNDING = 1e-11  # steps and rounding: 6e-14 here at most
 
@@ -225,7 +225,7 @@ def test_stated_scatter_is_taken_unless_the_residuals_exceed_it() -> None:
     (one,) = [parameter("mean", 3.0)]
     for times in (1.0, 3.0):
         measured = 2.0 + times * s * rng.standard_normal(50)
-        found = fitted(lambda values, of=measured: (values["mean"] - of) / s, [one], 1.0, known=True)  # type: ignore[misc]
+        found = fit_parameters(lambda values, of=measured: (values["mean"] - of) / s, [one], 1.0, known=True)  # type: ignore[misc]
         half = 0.5 * (found.high["mean"] - found.low["mean"])
         rms = float(np.sqrt((found.residuals**2).mean()))
         told = {
@@ -244,10 +244,14 @@ def test_stated_scatter_is_taken_unless_the_residuals_exceed_it() -> None:
 
 
 def test_a_given_bound_is_named() -> None:
-    found = fitted(lambda values: np.array([values["a"] - 5.0]), [parameter("a", 2.0, 1.0, 4.0)], 5.0, known=True)
+    found = fit_parameters(
+        lambda values: np.array([values["a"] - 5.0]), [parameter("a", 2.0, 1.0, 4.0)], 5.0, known=True
+    )
     assert found.at_bound == ("a",) and found.values["a"] == pytest.approx(4.0, rel=1e-6)  # the search keeps inside
     assert "parameter-at-bound" in codes(found)
-    free = fitted(lambda values: np.array([values["a"] - 3.9]), [parameter("a", 2.0, 1.0, 4.0)], 5.0, known=True)
+    free = fit_parameters(
+        lambda values: np.array([values["a"] - 3.9]), [parameter("a", 2.0, 1.0, 4.0)], 5.0, known=True
+    )
     assert not free.at_bound and "parameter-at-bound" not in codes(free)
 
 
@@ -256,7 +260,7 @@ def test_intervals_beside_a_parameter_at_its_bound_are_those_with_it_fixed() -> 
     x, s, n = np.linspace(0.0, 1.0, 40), 0.05, 40
     measured = 1.0 + 2.0 * x + s * np.random.default_rng(2).standard_normal(n)
     starts = [parameter("offset", 1.0), parameter("slope", 0.4, 0.1, 0.5)]
-    found = fitted(lambda values: values["offset"] + values["slope"] * x - measured, starts, 1.0)
+    found = fit_parameters(lambda values: values["offset"] + values["slope"] * x - measured, starts, 1.0)
     left = measured - 0.5 * x
     t39 = 2.022691  # Student's t, 97.5 %, 39 degrees of freedom, from tables
     half = 0.5 * (found.high["offset"] - found.low["offset"])
@@ -276,7 +280,7 @@ def test_what_is_hardly_distinguished_is_named_with_its_interval() -> None:
     def residuals(values: Mapping[str, float]) -> Floats:
         return ((values["a"] - 1.0) * x / 10.1 + values["b"] - 1.0) / 0.02
 
-    found = fitted(residuals, starts, 100.0, known=True)
+    found = fit_parameters(residuals, starts, 100.0, known=True)
     (one,) = combinations(found, {"a": "", "b": ""}, residuals)
     assert one.names == ("a", "b") and one.changes == pytest.approx((0.1, -0.1), rel=1e-3)  # the line is nearly flat
     spread = np.sqrt(np.linalg.inv(np.stack([x / 10.1, np.ones(20)]) @ np.stack([x / 10.1, np.ones(20)]).T).trace())
@@ -297,7 +301,7 @@ def test_a_small_share_in_what_is_open_leaves_a_parameter_open() -> None:
         bending = values["E"] / 28.2 * (1.0 - 0.2**2) / (1.0 - values["nu"] ** 2)
         return (measured * (np.sqrt(bending) - 1.0)) / (0.005 * measured)
 
-    found = fitted(residuals, starts, 100.0, known=True)
+    found = fit_parameters(residuals, starts, 100.0, known=True)
     assert np.isinf(found.deviations["E"]) and np.isinf(found.deviations["nu"])
     (one,) = combinations(found, {"E": "GPa", "nu": ""}, residuals)
     nu = found.values["nu"]

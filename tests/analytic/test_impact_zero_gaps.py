@@ -49,7 +49,7 @@ def forces_of_three(masses: list[float], stiffnesses: list[float], t: Floats) ->
 
 @pytest.fixture(params=["exact", "collocation"])
 def march(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "takes_exact_march", lambda *_: request.param == "exact")
+    monkeypatch.setattr(engine, "is_piecewise_linear", lambda *_: request.param == "exact")
 
 
 @pytest.mark.usefixtures("march")

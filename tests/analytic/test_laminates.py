@@ -81,8 +81,8 @@ def rigidities(layers: list[tuple[Solid, float, float]], axis: float | None = No
     """A, B, D, As, (m0, m1, m2)."""
     angles = np.array([angle for *_, angle in layers])
     z = laminate.bounds([thickness for _, thickness, _ in layers])
-    Q = laminate.turned(np.array([solid.in_plane for solid, *_ in layers]), angles)
-    G = laminate.turned_shear(np.array([solid.across for solid, *_ in layers]), angles)
+    Q = laminate.rotate_stiffness(np.array([solid.in_plane for solid, *_ in layers]), angles)
+    G = laminate.rotate_shear(np.array([solid.across for solid, *_ in layers]), angles)
     As = laminate.shear_stiffness(Q, G, z, angles[0] if axis is None else axis)
     moments = laminate.inertia([solid.rho for solid, *_ in layers], z)
     return (*laminate.stiffness(Q, z), As, np.array(moments))
@@ -216,8 +216,8 @@ def test_a_lay_up_turned_as_a_whole_is_the_same_plate() -> None:
     turned = [(solid, thickness, angle + 0.7) for solid, thickness, angle in layers]
     before, after = rigidities(layers), rigidities(turned)
     for one, other in zip(before[:3], after[:3], strict=True):
-        assert laminate.turned(one, 0.7) == pytest.approx(other, rel=ROUNDING, abs=ROUNDING)
-    assert laminate.turned_shear(before[3], 0.7) == pytest.approx(after[3], rel=ROUNDING, abs=ROUNDING)
+        assert laminate.rotate_stiffness(one, 0.7) == pytest.approx(other, rel=ROUNDING, abs=ROUNDING)
+    assert laminate.rotate_shear(before[3], 0.7) == pytest.approx(after[3], rel=ROUNDING, abs=ROUNDING)
     along, other = (4.0 * np.array([np.cos(angle), np.sin(angle)]) for angle in (0.2, 0.9))
     assert plate(layers, along) == pytest.approx(plate(turned, other), rel=ROUNDING)
 
@@ -227,7 +227,7 @@ def test_a_homogeneous_plate_has_five_sixths() -> None:
     for solid, degrees in ((wood(50e6), 0.0), (wood(50e6), 33.0), (fibre(40), 45.0)):
         for count in (1, 7):
             A, _, D, As, _ = rigidities(layup(solid, 0.21 / count, (degrees,) * count))
-            G = laminate.turned_shear(solid.across, np.radians(degrees))
+            G = laminate.rotate_shear(solid.across, np.radians(degrees))
             assert As == pytest.approx(5 / 6 * 0.21 * G, rel=1e-11, abs=1e-11 * As.max())  # rounding of the inverse
             homogeneous = 0.21**2 / 12 * A
             assert homogeneous == pytest.approx(D, rel=ROUNDING, abs=ROUNDING * D.max())
@@ -252,7 +252,7 @@ def test_stresses_in_the_layers_balance_and_carry_the_resultants() -> None:
     layers = layup(fibre(40), 0.03, (0, 90, 45)) + layup(wood(50e6), 1e-3, (10,))
     angles, thick = np.array([one for *_, one in layers]), np.array([one for _, one, _ in layers])
     z = laminate.bounds(thick)
-    Q = laminate.turned(np.array([solid.in_plane / solid.E[1] for solid, *_ in layers]), angles)
+    Q = laminate.rotate_stiffness(np.array([solid.in_plane / solid.E[1] for solid, *_ in layers]), angles)
     rng = np.random.default_rng(3)
     N, M, V = rng.normal(size=(2, 3)), rng.normal(size=(2, 3)), rng.normal(size=(2, 2))
     stress = laminate.layer_stresses(Q, z, N, M)
@@ -273,7 +273,7 @@ def test_stresses_in_the_layers_balance_and_carry_the_resultants() -> None:
     assert np.abs(tau[:, 0, 0]).max() + np.abs(tau[:, -1, -1]).max() < 1e-9 * size  # rounding: free faces
     for lower, upper in pairwise(range(len(layers))):
         assert tau[:, lower, -1] == pytest.approx(tau[:, upper, 0], rel=1e-9, abs=1e-9 * size)  # rounding
-    G = laminate.turned_shear(np.array([solid.across for solid, *_ in layers]), angles)
+    G = laminate.rotate_shear(np.array([solid.across for solid, *_ in layers]), angles)
     energy = np.einsum("mnks,nst,mnkt,k,n->m", tau[:, :, 1:-1], np.linalg.inv(G), tau[:, :, 1:-1], weights / 2, thick)
     As = laminate.shear_stiffness(Q, G, z)
     assert np.einsum("ms,st,mt->m", V, np.linalg.inv(As), V) == pytest.approx(energy, rel=1e-9)  # rounding

@@ -17,7 +17,7 @@ from femstruct.sound.placed import placed
 from femstruct.sound.surfaces import pressure_per_force
 from femstruct.study.placed_rooms import placed_room
 from femstruct.workflow.bases import solve_all
-from femstruct.workflow.rated_rooms import floating, meeting_findings, meetings, mode_pairs
+from femstruct.workflow.rated_rooms import coincidence_findings, floating_floors, modal_coincidences, mode_pairs
 
 MODEL = """
 materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400}, screed: {E: 25 GPa, nu: 0.2, rho: 2000}}
@@ -70,7 +70,7 @@ def pairs_of(plan, surface, basis):
 
 
 def findings_of(plan, study, surface, basis):
-    return meeting_findings(plan, study, placed_room(plan, {plan.under: surface}), basis)
+    return coincidence_findings(plan, study, placed_room(plan, {plan.under: surface}), basis)
 
 
 def first_mode(thickness: float) -> float:
@@ -83,7 +83,7 @@ def test_a_floor_tuned_to_the_height_of_the_room_meets_it(tmp_path: Path) -> Non
     height = 343 / 2 / 2.5
     thickness = 0.18 * height / first_mode(0.18)  # a plate's frequency goes as its thickness
     study, room, surface, basis = solved(tmp_path, f"{thickness:.6f} m")
-    found = meetings(pairs_of(room, surface, basis))
+    found = modal_coincidences(pairs_of(room, surface, basis))
     pairs = {(round(floor, 1), round(air, 1)): likeness for floor, air, likeness in found}
     together = {air: likeness for (floor, air), likeness in pairs.items() if abs(floor - height) < 0.5}
     assert together[round(height, 1)] == pytest.approx(8 / np.pi**2, abs=5e-3)  # the mesh's sums over the ceiling
@@ -98,8 +98,8 @@ def test_a_box_given_as_a_mesh_meets_the_same(tmp_path: Path) -> None:
     _, room, surface, basis = solved(tmp_path, "180 mm")
     mesh = ShapedRoom(box_mesh([5, 4, 2.5], [10, 8, 5]), "z1", room.room.air, room.room.losses, up_to_hz=130.0)
     one, other = (
-        meetings(pairs_of(room, surface, basis)),
-        meetings(pairs_of(replace(room, room=mesh), surface, basis)),
+        modal_coincidences(pairs_of(room, surface, basis)),
+        modal_coincidences(pairs_of(replace(room, room=mesh), surface, basis)),
     )
     resolved = [pair for pair in one if pair[1] < 130.0]
     assert resolved and len(other) == len(resolved)
@@ -110,7 +110,7 @@ def test_modes_further_apart_than_their_bandwidths_do_not_meet(tmp_path: Path) -
     """The first mode at 30.2 Hz: its 5 % and the room's 2.2 / T60 = 4.4 Hz reach nowhere near 34.3 Hz, (1, 0, 0)."""
     _, room, surface, basis = solved(tmp_path, "180 mm")
     assert basis.frequency_hz[0] == pytest.approx(first_mode(0.18), rel=1e-3)  # the mesh: 7e-6 here
-    found = meetings(pairs_of(room, surface, basis))
+    found = modal_coincidences(pairs_of(room, surface, basis))
     assert found
     assert min(floor for floor, _, _ in found) > 40.0
     for floor, air, likeness in found:
@@ -123,7 +123,10 @@ def test_a_meshed_box_meets_as_the_box_does(tmp_path: Path) -> None:
     mesh = box_mesh(room.room.size, [12, 10, 6])
     shaped = replace(room, room=ShapedRoom(mesh, "z1", room.room.air, room.room.losses, up_to_hz=200.0))
     assert shaped.room.middle.tolist() == pytest.approx([2.5, 2.0, 2.5])
-    box, meshed = meetings(pairs_of(room, surface, basis)), meetings(pairs_of(shaped, surface, basis))
+    box, meshed = (
+        modal_coincidences(pairs_of(room, surface, basis)),
+        modal_coincidences(pairs_of(shaped, surface, basis)),
+    )
     assert len(box) == len(meshed) > 2
     # quadratic cells of 0.42 m, four to a wave at 200 Hz: .5 % of the frequency
     assert [air for _, air, _ in meshed] == pytest.approx([air for _, air, _ in box], rel=5e-3)
@@ -133,7 +136,7 @@ def test_a_meshed_box_meets_as_the_box_does(tmp_path: Path) -> None:
 
 def test_a_floating_floor_is_two_masses_on_a_spring(tmp_path: Path) -> None:
     structure = plan(tmp_path).cases[0].study.structure
-    (found,) = floating(structure, (630.0,))
+    (found,) = floating_floors(structure, (630.0,))
     wanted = np.sqrt(10e6 * (1 / 120 + 1 / 432)) / 2 / np.pi
     assert found.values["resonance_hz"] == pytest.approx(wanted, rel=1e-13)  # steps and rounding: none here
     assert f"is {wanted:.1f} Hz" in found.message
@@ -142,9 +145,9 @@ def test_a_floating_floor_is_two_masses_on_a_spring(tmp_path: Path) -> None:
     both = np.array([[10e6 - spin * 432, -10e6], [-10e6, 10e6 - spin * 120]])
     moved = np.linalg.solve(both, [0.0, 1.0])[0]
     assert abs(moved) == pytest.approx(1.0 / (432 * spin), rel=1e-12)  # rounding of a 2 by 2 system
-    assert floating(structure, (50.0,)) == []
+    assert floating_floors(structure, (50.0,)) == []
     part = plan(tmp_path, region="{rectangle: [2 m, 2 m]}").cases[0].study.structure
-    assert floating(part, (630.0,)) == []  # not two plates over all of their area
+    assert floating_floors(part, (630.0,)) == []  # not two plates over all of their area
 
 
 def test_small_and_large_rooms_are_not_the_standards(tmp_path: Path) -> None:
@@ -230,10 +233,10 @@ def test_modes_that_do_not_move_the_ceiling_meet_nothing(tmp_path: Path) -> None
     pairs = pairs_of(room, own.places.surfaces[room.under], basis)
     still = pairs.motion < 1e-6
     assert 3 <= still.sum() < len(still)
-    met = sorted({floor for floor, _, _ in meetings(pairs)})
+    met = sorted({floor for floor, _, _ in modal_coincidences(pairs)})
     assert met and not set(met) & set(pairs.floor_hz[still].tolist())
     _, alone, surface, bare = solved(tmp_path, "180 mm")
-    assert met == pytest.approx(sorted({floor for floor, _, _ in meetings(pairs_of(alone, surface, bare))}))
+    assert met == pytest.approx(sorted({floor for floor, _, _ in modal_coincidences(pairs_of(alone, surface, bare))}))
 
 
 def test_modes_beyond_where_all_are_known_and_modes_that_do_not_ring_are_in_no_pair(tmp_path: Path) -> None:

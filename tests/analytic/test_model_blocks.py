@@ -15,7 +15,7 @@ from femstruct.errors import FemstructError
 from femstruct.modal.reduction import modal_basis
 from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.model import model_facts, refined
+from femstruct.model.model import model_facts, refine_model
 from femstruct.model.regions import Region
 from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
@@ -110,7 +110,7 @@ def test_points_and_pictures_follow_the_block():
         assert point.normal[2] == -1.0
         rows = np.stack([point.probe(direction).of(nodal) for direction in ("x", "y", "z", "rx", "ry", "rz")])
         assert rows == pytest.approx(motion_of_place(np.array(at) - BLOCK.middle), abs=1e-14)  # rounding: none here
-    box = refined(model)
+    box = refine_model(model)
     assert box.quads.shape == (6, 4)
     assert np.ptp(box.points, axis=0) == pytest.approx(BLOCK.size)
     moved = box.displacement(nodal)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from femstruct.campaign.designs import Designs
-from femstruct.campaign.optimise import _searched, optimise, seen_before, set_aside
-from femstruct.campaign.rows import Number, Row, opened, write_optimum
+from femstruct.campaign.optimise import _searched, optimise, set_aside, starting_designs
+from femstruct.campaign.rows import Number, Row, open_journal, write_optimum
 from femstruct.campaign.tasks import Task, rows_of
 from femstruct.errors import InputError, InputErrors
 from femstruct.files.campaign_tables import optimum_table, run_command
@@ -63,7 +63,7 @@ def searched(
             for number, changes in task.samples:
                 done([replace(row(dict(text.split("=") for text in changes)), sample=number)])
 
-    with opened(Path(":memory:"), "formula") as journal:
+    with open_journal(Path(":memory:"), "formula") as journal:
         designs = Designs(search, "a", journal, run, lambda done: None)
         assert not _searched(search, designs, first)[1]
         yield designs
@@ -187,7 +187,7 @@ def swept(**more: object) -> Swept:
 def test_a_search_begins_with_the_best_designs_of_a_sweep() -> None:
     """A valley of 1 % of the ranges, which no crowd meets, but a sweep has a row in it."""
     search = Search("", "f", (X, Y), limits={"r": 2.0}, runs=200)
-    first = seen_before(search, swept(), "a")
+    first = starting_designs(search, swept(), "a")
     right = [[0.775, 0.25], [0.1275, 0.8725], [0.5, 0.5]]  # (v + 2) / 4; no other near the best; beyond the limit last
     np.testing.assert_allclose(first, right, rtol=1e-12)  # rounding
     search = replace(search, limits={})
@@ -199,11 +199,11 @@ def test_a_search_begins_with_the_best_designs_of_a_sweep() -> None:
 
 def test_rows_of_a_sweep_over_something_else_are_left() -> None:
     z = Scattered("z", "uniform", 0.0, 1.0, "m")
-    assert len(seen_before(Search("", "f", (X, z)), swept(), "a")) == 0
-    assert len(seen_before(Search("", "g", (X, Y)), swept(), "a")) == 0
-    assert len(seen_before(Search("", "f", (X, Y)), swept(), "b")) == 0
+    assert len(starting_designs(Search("", "f", (X, z)), swept(), "a")) == 0
+    assert len(starting_designs(Search("", "g", (X, Y)), swept(), "a")) == 0
+    assert len(starting_designs(Search("", "f", (X, Y)), swept(), "b")) == 0
     listed = Listed("y", ("0 m", "149 cm"), (0.0, 1.49)), Scattered("x", "log-uniform", 0.1, 10.0, "m")
-    points = seen_before(Search("", "f", listed), swept(), "a")
+    points = starting_designs(Search("", "f", listed), swept(), "a")
     np.testing.assert_allclose(points, [[0.25, np.log(30.0) / np.log(100.0)]], rtol=1e-12)  # rounding; x < 0 has no log
 
 
@@ -333,7 +333,7 @@ def test_rows_are_those_of_their_designs_whatever_the_course() -> None:
             done([replace(numbers(f=asked[-1]), sample=sample, again=asked[-1] == 2.0)])
 
     search, first, other = Search("", "f", (X,), runs=60), (0.0, 0.25, 1.0), (0.25, 0.75, 0.0, 1.0)
-    with opened(Path(":memory:"), "formula") as journal:
+    with open_journal(Path(":memory:"), "formula") as journal:
         for course, ran in ((first, [-2.0, -1.0, 2.0]), (other, [1.0, 2.0]), (other, [2.0])):
             asked.clear()
             designs = Designs(search, "a", journal, run, lambda done: None)

@@ -15,13 +15,13 @@ from femstruct.modal.basis import ModalBasis
 from femstruct.modal.closed_form import given_modes, oscillator
 from femstruct.modal.damping import Damping, Ratio, with_damping
 from femstruct.modal.frf import frf
-from femstruct.modal.steady import MISSED, Highest, Respond, highest, missed_peak
+from femstruct.modal.steady import MISSED, Highest, Respond, largest_peak, missed_peak
 from femstruct.study.asked import FrfRequest, Spot
 from femstruct.study.results import Frf
 
 
 def found(respond: Respond, basis: ModalBasis, lines: Floats) -> Highest:
-    one = highest(respond, basis, lines, np.abs(respond(lines)))
+    one = largest_peak(respond, basis, lines, np.abs(respond(lines)))
     assert one is not None
     return one
 
@@ -115,7 +115,7 @@ def test_there_is_no_such_number_without_damping_or_lines(ratios: tuple[float, f
     basis, points = given_modes([20.0, 50.5], ratios, {"P": [1.0, 0.5]})
     here = points["P"].probe("z")
     hz = 5.0 + np.arange(float(lines))
-    assert highest(partial(frf, basis, here, here), basis, hz, np.abs(frf(basis, here, here, hz))) is None
+    assert largest_peak(partial(frf, basis, here, here), basis, hz, np.abs(frf(basis, here, here, hz))) is None
 
 
 def test_the_peak_of_a_study_is_the_largest_value() -> None:

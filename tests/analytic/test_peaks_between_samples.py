@@ -12,7 +12,7 @@ import scipy
 from typer.testing import CliRunner
 
 from femstruct.cli import app
-from femstruct.impact.resampled import closer
+from femstruct.impact.resampled import resample
 from femstruct.impact.scene import Clock, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.language.cases import read_study
@@ -20,7 +20,7 @@ from femstruct.modal.closed_form import given_modes, oscillator
 from femstruct.study.asked import PeakRule
 from femstruct.study.recorded import Channel
 from femstruct.study.results import CaseResult
-from femstruct.workflow.recorded_channels import Peaks, between, converged, cut_off_findings, in_band
+from femstruct.workflow.recorded_channels import Peaks, converged, cut_off_findings, in_band, refine_pressure
 from femstruct.workflow.run import run_study
 
 LOW = 0.995  # two of 32 samples a period beside the top of a sine: 1 - (pi / 32)^2 / 2
@@ -60,7 +60,7 @@ def test_the_peak_of_two_modes_is_that_of_their_sum(sampling: float, what: str) 
     true = float(np.abs(form[0] - form[1]).max())
     basis, _ = given_modes([130.0, 2000.0], [0.0, 0.0], {"p": [1.0, 1.0]})
     asked = simulate(basis, Scene((), velocity=np.ones(2)), Clock(0.004, sampling))
-    near = closer(asked)
+    near = resample(asked)
     assert near is not None and (near is asked) == (sampling >= 32e3)
     found = float(np.abs(getattr(near, what)(row)).max())
     missed = 1.0 - LOW if near is not asked else (np.pi / 16.0) ** 2 / 2.0  # of the second mode, of two as large
@@ -214,7 +214,7 @@ def test_a_pressure_between_its_samples(frequency: float) -> None:
         wave = np.sin(2.0 * np.pi * frequency * (at - 0.1003)) * np.exp(-(((at - 0.1) / 0.01) ** 2))
         return np.asarray(wave)
 
-    fine, factor = between(tone(t), response)
+    fine, factor = refine_pressure(tone(t), response)
     assert factor * 6.9e3 >= 32 * 1900.0
     apart = np.abs(fine - tone(np.arange(len(fine)) / (factor * 6.9e3))).max()
     assert apart < 1e-9  # rounding: the tone has nothing above half the sampling (1e-300) and at the ends (1e-43)

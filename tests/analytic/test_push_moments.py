@@ -66,7 +66,7 @@ def test_moments_of_a_half_sine_of_contact(sampling: float) -> None:
         # forces are held to 1e-8 of their largest in every step, and two points in a cell of a long step to 1e-6
         np.testing.assert_allclose(own[chosen], speed * exact[chosen], atol=2e-8 * speed * exact.max())
         assert own.sum() == pytest.approx(2.0 * speed * mass, rel=1e-7)  # the impulse turns the ball round
-    np.testing.assert_allclose(batch.heard[:, 0], [2.0, 4.0], rtol=1e-7)  # the same
+    np.testing.assert_allclose(batch.at_receivers[:, 0], [2.0, 4.0], rtol=1e-7)  # the same
 
 
 def test_loads_push_as_they_are_and_where_they_act() -> None:
@@ -101,6 +101,6 @@ def test_a_mass_moves_as_its_pushes_say() -> None:
 def test_no_listener_hears_nothing() -> None:
     basis, _ = given_modes([], [], {})
     scene = Scene((Body("ball", 1.0, -1.0),), (Contact("hit", upper="ball", lower=GROUND, law=Linear(1e4)),))
-    assert simulate_batch(basis, scene, Clock(0.1, 1e3), {"ball.mass": [1.0, 2.0]}, 1).heard.shape == (2, 0)
+    assert simulate_batch(basis, scene, Clock(0.1, 1e3), {"ball.mass": [1.0, 2.0]}, 1).at_receivers.shape == (2, 0)
     with pytest.raises(InputError):
         simulate_batch(basis, scene, Clock(0.1, 1e3), {"nobody.mass": [1.0]}, 1)

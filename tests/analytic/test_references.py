@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femstruct.campaign.forecast import planned_search
+from femstruct.campaign.forecast import forecast_search
 from femstruct.campaign.optimise import optimise
 from femstruct.errors import InputError
 from femstruct.files.campaign_tables import optimum_table
@@ -152,11 +152,11 @@ def test_a_baseline_without_the_goal_is_blank_with_its_reason(study: Path) -> No
 
 
 def test_a_plan_says_what_will_be_tried_and_refuses_a_number_that_is_not_there(study: Path) -> None:
-    told = planned_search(read_search(study), workers=2)
+    told = forecast_search(read_search(study), workers=2)
     assert told["designs at most"] == 20 and told["runs at most"] == 80 and told["case"] == "heavy"
     assert told["goals"] == "minimise m.z velocity; goals and limits are 75 % quantiles of what scatters"
     assert told["may be chosen: bodies.ball.mass"] == "0.1 kg .. 1.5 kg" and told["limits"] == "none"
     assert told["scatters: bodies.ball.speed"] == "800 mm/s .. 1.2 m/s"
     assert "m.z velocity" in str(told["main numbers"]) and "on 2 cores" in str(told["about how long"])
     with pytest.raises(InputError, match=r"optimise.minimise: got 'm.z speed'.*it has m.z velocity"):
-        planned_search(read_search(study, "minimise m.z speed"))
+        forecast_search(read_search(study, "minimise m.z speed"))

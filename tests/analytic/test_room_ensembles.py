@@ -217,8 +217,8 @@ def test_a_room_that_is_the_mean_is_the_simulation(tmp_path: Path, monkeypatch: 
 
     mics = np.array([[1.0, 1.0, 1.2], [4.0, 1.0, 1.2]])
     monkeypatch.setattr(module, "SETS", 1)
-    monkeypatch.setattr(module, "drawn_sides", lambda *_: np.ones((2, 3)))
-    monkeypatch.setattr(module, "drawn_receivers", lambda *_: mics[None])
+    monkeypatch.setattr(module, "draw_sides", lambda *_: np.ones((2, 3)))
+    monkeypatch.setattr(module, "draw_receivers", lambda *_: mics[None])
     # a load elsewhere keeps the source where it is: the motion of the run is taken
     beside = "links: {spring: {between: [under, ground], stiffness: 1 kN/m}}\n"
     regular = HAMMERS.replace("{source", "{blows: {count: 8, timing: regular}, source")  # 2 of 4 s are averaged

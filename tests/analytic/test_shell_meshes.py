@@ -237,12 +237,12 @@ def test_points_and_surfaces_follow_a_rigid_motion() -> None:
 
 def test_cells_that_are_too_long_for_a_frequency_are_found_and_those_that_are_not_are_right() -> None:
     """Eight cells a wave of a plate that bends along one direction: 2.6 % too high, and no finding from there on."""
-    from femstruct.parts.wave_findings import carried_hz, mesh_findings
+    from femstruct.parts.wave_findings import mesh_findings, mesh_limit_hz
 
     mesh = sheet(8, 1, 0.5, 0.0625)
     model = fs.mesh_structure(fs.Structure("a", (fs.Shell("part", mesh, STEEL, T),)))
     frequency = float(thin((2.0 * np.pi / 0.5) ** 2))  # of a wave as long as eight cells
-    assert carried_hz(model) == pytest.approx(frequency, rel=1e-12)  # rounding
+    assert mesh_limit_hz(model) == pytest.approx(frequency, rel=1e-12)  # rounding
     assert not mesh_findings(model, 0.99 * frequency)  # shear shortens the wave by less than that
     (found,) = mesh_findings(model, 1.05 * frequency)
     assert found.code == "coarse-mesh" and not found.severe

@@ -11,7 +11,7 @@ from femstruct.elements import solid
 from femstruct.errors import InputError
 from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.sections import rectangle
-from femstruct.parts.wave_findings import carried_hz, mesh_findings
+from femstruct.parts.wave_findings import mesh_findings, mesh_limit_hz
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)
 FLAT = fs.Material("flat", E=210e9, nu=0.0, rho=7850.0)
@@ -214,7 +214,7 @@ def test_cells_a_wave_that_the_finding_asks_for(kind: str, cells: float, within:
     count = round(cells / (2 * np.pi / 7.8548))  # of the third bending mode of a cantilever
     coarse = meshed(fs.Solid("bar", block(kind, (count, 1, 1), (1.0, 0.06, 0.04)), FLAT), supports=(clamped(),))
     assert abs(frequencies(coarse, 650.0)[4] / exact - 1) < within
-    carried = carried_hz(coarse)  # type: ignore[arg-type]
+    carried = mesh_limit_hz(coarse)  # type: ignore[arg-type]
     assert 0.35 * exact < carried < 1.1 * exact  # of a plate as thick as twice the volume over the area
     assert not mesh_findings(coarse, 0.9 * carried)  # type: ignore[arg-type]
     (told,) = mesh_findings(coarse, 4.0 * carried)  # type: ignore[arg-type]

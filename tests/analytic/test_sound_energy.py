@@ -8,7 +8,7 @@ from scipy.special import j1
 
 from acoustics.air import Air
 from acoustics.fields.half_space import HalfSpace
-from acoustics.levels.sound_energy import REFERENCE_J, ended_energy, radiated_energy
+from acoustics.levels.sound_energy import REFERENCE_J, radiated_energy, truncate_energy
 from acoustics.open_air.power import far_field, radiated_power, radiation_efficiency, radiation_pattern
 from acoustics.open_air.rayleigh import field_pressures
 from acoustics.receivers import Receiver
@@ -250,7 +250,7 @@ def test_energy_ends_where_the_motion_is_known() -> None:
     speed = burst * (np.sin(2 * np.pi * 200 * t) + np.sin(2 * np.pi * 800 * t))
     piston = SurfaceVelocity(np.zeros((1, 3)), [1e-2], [[1]], [speed], dt=1 / 48e3)
     whole = radiated_energy(piston, Air())
-    below = ended_energy(whole, 400.0)
+    below = truncate_energy(whole, 400.0)
     assert below.bands_j[200.0] == whole.bands_j[200.0]
     assert np.isnan([below.bands_db[800.0], below.bands_efficiency[800.0], below.bands_db[400.0]]).all()
     # both end between lines: 1e-11 here

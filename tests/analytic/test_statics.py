@@ -14,7 +14,7 @@ from femstruct.errors import InputError
 from femstruct.files.matrices_input import read_component
 from femstruct.model.sections import rectangle, tube
 from femstruct.workflow.bases import sags
-from femstruct.workflow.model_answers import at_rest as table_at_rest
+from femstruct.workflow.model_answers import statics_table as table_at_rest
 from femstruct.workflow.recorded_channels import stress_at_rest, stress_findings
 
 STEEL = fs.Material("steel", E=210e9, nu=0.3, rho=7850.0)

@@ -13,7 +13,7 @@ from femstruct.files.matrices_file import nodal
 from femstruct.files.matrices_input import read_component
 from femstruct.model.component import rigid_masses, rigid_resistance
 from femstruct.study.asked import Extent
-from femstruct.workflow.exchange import exported, reduce_model
+from femstruct.workflow.exchange import export_source, reduce_model
 
 MATERIAL = "materials: {concrete: {E: 30 GPa, nu: 0.2, rho: 2400, loss_factor: 1 %}}\n"
 LEFT = "{type: plate, material: concrete, thickness: 180 mm, origin: [0, 0, 0], size: [3, 4], mesh: [12, 16]}"
@@ -74,8 +74,8 @@ def test_exported_matrices_are_the_part_that_they_are_of(tmp_path: Path) -> None
     """Of elements without a twist: a file of matrices does not say which twists are one along a line."""
     left, right = (one.replace("}", ", element: acm12}") for one in (LEFT, RIGHT))
     (tmp_path / "alone.yaml").write_text(f"{MATERIAL}parts: {{left: {left}}}\n")
-    exported(tmp_path / "alone.yaml", "npz", tmp_path, None, (), "", quiet)
-    exported(tmp_path / "alone.yaml", "mtx", tmp_path, None, (), "", quiet)
+    export_source(tmp_path / "alone.yaml", "npz", tmp_path, None, (), "", quiet)
+    export_source(tmp_path / "alone.yaml", "mtx", tmp_path, None, (), "", quiet)
     _, exact = basis_of(floor(tmp_path, "whole", left, right, WEST, EAST, "[1.5, 2]"))
     for file in ("alone.npz", "alone.json"):
         matrices = f"{{type: matrices, file: {file}}}"

@@ -16,7 +16,7 @@ from acoustics.losses import Losses
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_walls import WALLS, Turn
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, together
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, combine_surfaces
 
 AIR = Air(343.26, 1.204)
 GAMMA = 13.82
@@ -149,10 +149,10 @@ def test_the_kept_transfer_of_walls_hears_further_motions_as_the_room_does() -> 
     )
     (found,), kept = room.pressures_to_keep([first], mics, 400.0)
     assert kept is not None
-    assert kept.of(together(second), room, mics, 400.0) and not kept.of(second[0], room, mics, 400.0)
-    assert not kept.of(together(second), Room(2 * SIZE, AIR, DECAY), mics, 400.0)
+    assert kept.of(combine_surfaces(second), room, mics, 400.0) and not kept.of(second[0], room, mics, 400.0)
+    assert not kept.of(combine_surfaces(second), Room(2 * SIZE, AIR, DECAY), mics, 400.0)
     kept.prepare()
-    again = kept.pressures([together(first), together(second)])
+    again = kept.pressures([combine_surfaces(first), combine_surfaces(second)])
     assert again is not None
     anew = room.pressures([second], mics, 400.0)[0]
     assert np.abs(again[0].p - found.p).max() < 1e-4 * np.abs(found.p).max()  # what was inaudible of 400 Hz and above

@@ -14,7 +14,7 @@ from femstruct.assembly.matrices import Assembly, assemble
 from femstruct.errors import SingularSystem
 from femstruct.model.materials import Material
 from femstruct.model.mesher import mesh_structure
-from femstruct.model.model import model_facts, refined
+from femstruct.model.model import model_facts, refine_model
 from femstruct.model.regions import Region
 from femstruct.model.sections import rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support, SurfaceOn
@@ -270,7 +270,7 @@ def test_interpolated_points_follow_a_rigid_motion() -> None:
     assert surface.weights.sum() == pytest.approx(0.5 * 0.4, rel=ROUNDING)
     # rounding: 2e-15 here
     assert surface.shapes(nodal)[:, 2] == pytest.approx(-np.ones(len(surface.points)), abs=1e-12)
-    fine = refined(model, 3)
+    fine = refine_model(model, 3)
     moved = fine.displacement(nodal)
     assert moved[:, :, 3] == pytest.approx(np.cross([1.0, 0.0, 0.0], fine.points), abs=1e-12)  # rounding: 3e-15 here
 

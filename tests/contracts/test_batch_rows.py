@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from femstruct.campaign.batch_rows import BY_BATCH, BY_HISTORY, BatchTask, _of_batch, batch_tasks, stage_of
-from femstruct.campaign.forecast import planned
+from femstruct.campaign.forecast import forecast_campaign
 from femstruct.campaign.rows import write_rows
 from femstruct.campaign.sweep import set_aside, sweep
 from femstruct.campaign.tasks import samples_of
@@ -225,9 +225,9 @@ def test_only_stands_in_a_study_with_or_without_a_count(study: Path) -> None:
 
 
 def test_a_plan_says_how_rows_are_made(study: Path) -> None:
-    told = planned(read_campaign(study, only=["hit peak force"]))
+    told = forecast_campaign(read_campaign(study, only=["hit peak force"]))
     assert told["rows"] == BY_BATCH and told["impacts to simulate"] == 32
-    assert str(planned(read_campaign(study))["rows"]).startswith("full runs: a row holds all numbers")
+    assert str(forecast_campaign(read_campaign(study))["rows"]).startswith("full runs: a row holds all numbers")
 
 
 def test_batch_rows_are_kept_by_tasks(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

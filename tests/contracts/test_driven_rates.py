@@ -9,7 +9,7 @@ import numpy as np
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.closed_form import given_modes
 from femstruct.workflow import rated_floors as blow_motions
-from femstruct.workflow.rated_floors import coupled, driven_rates
+from femstruct.workflow.rated_floors import coupled_oscillators, driven_rates
 
 RNG = np.random.default_rng(7)
 K, PLACES = 24, 5
@@ -31,7 +31,7 @@ def floor(wool: float) -> ModalBasis:
 
 def test_modes_that_wool_couples_move_as_the_dense_equations(monkeypatch) -> None:
     basis = floor(8300.0)
-    found = coupled(basis, LOW)
+    found = coupled_oscillators(basis, LOW)
     assert found is not None
     monkeypatch.setattr(blow_motions, "_CHUNK", 16 * K * PLACES)  # eight lines at a time
     for s in (HEAVY, STEADY):
@@ -46,7 +46,7 @@ def test_modes_that_wool_couples_move_as_the_dense_equations(monkeypatch) -> Non
 def test_modes_that_nothing_couples_move_by_themselves() -> None:
     """Each mode is the quotient of one oscillator, exactly."""
     basis = floor(0.0)
-    assert coupled(basis, LOW) is None
+    assert coupled_oscillators(basis, LOW) is None
     rates = driven_rates(basis, LOW, None, ROWS, FORCES, HEAVY)
     own, squared = np.diag(basis.time_damping)[LOW], basis.omega[LOW] ** 2
     wanted = HEAVY * FORCES[:, None, :] * ROWS[:, LOW, None] / (HEAVY**2 + own[:, None] * HEAVY + squared[:, None])
@@ -56,4 +56,4 @@ def test_modes_that_nothing_couples_move_by_themselves() -> None:
 def test_rounding_couples_nothing() -> None:
     basis = floor(0.0)
     noisy = replace(basis, viscous=basis.viscous + 1e-12)
-    assert coupled(noisy, LOW) is None
+    assert coupled_oscillators(noisy, LOW) is None

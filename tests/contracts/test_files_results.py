@@ -26,7 +26,7 @@ from femstruct.files import stored_values
 from femstruct.files import stored_values as kinds_by_tag
 from femstruct.files.datasets import LENGTH, key, seal
 from femstruct.files.results_file import read_results, write_results
-from femstruct.files.stored_values import NotKept, restored, stored, without_unread
+from femstruct.files.stored_values import NotKept, restore_value, store_value, without_unread
 from femstruct.files.study_tables import summary
 from femstruct.impact.motion import Motion
 from femstruct.language.cases import read_study
@@ -171,10 +171,12 @@ def test_nouns_of_a_package_that_adds_some_are_read(result, tmp_path, monkeypatc
 
 def test_a_field_that_an_older_file_lacks_has_its_default():
     """Files are read that were written before a noun had a field: its default is made as when the noun is made."""
-    tables = stored_values.stored(ForceRow(np.array([1.0]), np.array([2.0]), np.array([3.0])), keep=lambda array: None)
+    tables = stored_values.store_value(
+        ForceRow(np.array([1.0]), np.array([2.0]), np.array([3.0])), keep=lambda array: None
+    )
     for one in tables.nouns:
         one.pop("carried", None)
-    made = stored_values.restored(tables, fetch=lambda place: None)
+    made = stored_values.restore_value(tables, fetch=lambda place: None)
     np.testing.assert_array_equal(made.carried, np.zeros(3))
     np.testing.assert_array_equal(made.damping, [2.0])
 
@@ -466,13 +468,13 @@ def test_rated_rooms_keep_their_numbers(standard, blows):
     own = Room([5.0, 4.0, 2.5], losses=losses_from_t60(0.5))
     room = rate_room([[levels]], own, [standard], blows)
     kept = []
-    again = restored(stored(room, lambda array: kept.append(array) or len(kept) - 1), kept.__getitem__)
+    again = restore_value(store_value(room, lambda array: kept.append(array) or len(kept) - 1), kept.__getitem__)
     assert_same(dict(room.numbers), dict(again.numbers))
 
 
 @pytest.mark.parametrize("number", [1.0 + 2.0j, complex("nan"), complex(1.0, float("inf"))])
 def test_complex_numbers_that_are_none_are_kept(number):
     """A frequency response that is not known at a line, alone and in a small array."""
-    told = stored({"one": number, "some": np.array([number, 0.5j])}, lambda array: None)
-    again = restored(json.loads(json.dumps(told, allow_nan=False)) and told, lambda place: None)
+    told = store_value({"one": number, "some": np.array([number, 0.5j])}, lambda array: None)
+    again = restore_value(json.loads(json.dumps(told, allow_nan=False)) and told, lambda place: None)
     assert np.array_equal([again["one"], *again["some"]], [number, number, 0.5j], equal_nan=True)

@@ -14,7 +14,7 @@ from femstruct.assembly.matrices import assemble
 from femstruct.errors import FemstructError, InputError, SingularSystem
 from femstruct.modal import eigen
 from femstruct.modal import eigen as solve
-from femstruct.modal.eigen import _dense, count_below, modes, signed
+from femstruct.modal.eigen import _dense, count_below, fix_signs, modes
 from femstruct.modal.reduction import modal_basis
 from femstruct.modal.residuals import residual_vectors
 from femstruct.model.materials import Material
@@ -196,7 +196,7 @@ def test_an_untrustworthy_count_is_refused():
 
 def test_ties_do_not_turn_the_sign():
     shapes = np.array([[-1.0, 1.0 - 1e-9], [0.2, 0.0], [1.0 + 1e-12, -1.0]])
-    turned = signed(shapes, np.ones(3))
+    turned = fix_signs(shapes, np.ones(3))
     assert turned[0, 0] > 0
     assert turned[0, 1] > 0
 

@@ -9,12 +9,12 @@ import pytest
 from femstruct.elements import members, quad_shell, triangle_shell
 from femstruct.elements.flat_elements import (
     angles,
-    each_once,
-    flattened,
+    flatten,
     frames,
+    matrices_by_kind,
+    rotate_resultants,
+    rotate_rigidities,
     square_points,
-    turned,
-    turned_resultants,
 )
 from femstruct.elements.membrane import integration_points
 from femstruct.elements.plate import CORNERS
@@ -95,7 +95,7 @@ def on_plane(corners, points):
     """Places [g, 3] on the mean plane and areas of points of the unit square or triangle."""
     xi, eta, weights = points
     R = frames(corners[None])
-    xy = flattened(corners[None], R)[0][0]
+    xy = flatten(corners[None], R)[0][0]
     step = 0.125  # of differences, exact for the bilinear map
     by_xi, by_eta = (
         (shares(corners, xi + a, eta + b) - shares(corners, xi - a, eta - b)) @ xy / (2 * step)
@@ -108,7 +108,7 @@ def on_plane(corners, points):
 def fields(corners, u=None, v=None, w=None, rx=None, ry=None, rz=None):
     """Nodal values in global axes of fields of x and y in the element's own axes."""
     R = frames(corners[None])
-    x, y = flattened(corners[None], R)[0][0].T
+    x, y = flatten(corners[None], R)[0][0].T
     own = np.array([0 * x if of is None else of(x, y) + 0 * x for of in (u, v, w, rx, ry, rz)]).T
     return (own.reshape(-1, 2, 3) @ R[0]).ravel()
 
@@ -248,15 +248,15 @@ def test_the_first_corner_changes_nothing(corners):
 
     def of(points):
         angle = angles(frames(points[None]), direction)
-        return stiffness(points, [turned(each, angle) for each in ANISOTROPIC]), mass(points, m1=0.2)
+        return stiffness(points, [rotate_rigidities(each, angle) for each in ANISOTROPIC]), mass(points, m1=0.2)
 
     def along(points):
         """Resultants in the direction of the material, at the centre."""
         angle = angles(frames(points[None]), direction)
         centre = [[0.5], [0.5]] if len(points) == 4 else [[1 / 3], [1 / 3]]
-        law_here = (turned(each, angle) for each in ANISOTROPIC)
+        law_here = (rotate_rigidities(each, angle) for each in ANISOTROPIC)
         own = element(points).resultants(points[None], *centre, *law_here)
-        return turned_resultants(own, angle)[0]
+        return rotate_resultants(own, angle)[0]
 
     for first in range(1, len(corners)):
         order = np.roll(np.arange(len(corners)), -first)
@@ -274,7 +274,7 @@ def test_going_round_the_other_way_changes_nothing(corners):
     order = np.arange(len(corners))[::-1]
     dofs = (order[:, None] * 6 + np.arange(6)).ravel()
     one, other = (
-        stiffness(points, [turned(each, angles(frames(points[None]), direction)) for each in ORTHOTROPIC])
+        stiffness(points, [rotate_rigidities(each, angles(frames(points[None]), direction)) for each in ORTHOTROPIC])
         for points in (corners, corners[order])
     )
     np.testing.assert_allclose(other, one[np.ix_(dofs, dofs)], atol=ROUNDING * np.abs(one).max())
@@ -334,7 +334,7 @@ def test_equal_elements_are_computed_once():
 
     R = frames(cells)
     factors = np.where(np.arange(600) % 2, 2.0, 1.0)
-    got = each_once(24, matrices, R, flattened(cells, R)[0], factors)
+    got = matrices_by_kind(24, matrices, R, flatten(cells, R)[0], factors)
     assert sum(asked) < 100  # 50 others, and two of each class that rounding makes
     alone = np.concatenate([quad_shell.stiffness(cell[None], *ANISOTROPIC) for cell in cells])
     # rounding of coordinates: 4e-15 of 30 m in elements of 0.1 m, and 1e-12 by which equal ones may differ
@@ -370,7 +370,7 @@ def test_patch_of_distorted_elements(state, t, shape):
     whole = np.concatenate([exact[:24], inner])
     angle = angles(frames(points), STANDING @ [1.0, 0.0, 0.0])
     rows = element(points[0]).resultants(points, np.full(count, 0.3), np.full(count, 0.6), *rigidities)
-    got = np.einsum("nki,ni->nk", turned_resultants(rows, angle), whole[dofs])
+    got = np.einsum("nki,ni->nk", rotate_resultants(rows, angle), whole[dofs])
     forces = law(*rigidities) @ strain
     # stated in the docstring; beside the stretching that a thin plate answers to motions of this size
     np.testing.assert_allclose(got, np.tile(forces, (count, 1)), atol=1e-10 * np.abs(law(*rigidities)).max())

@@ -22,8 +22,8 @@ from acoustics.fields.sound_field import SoundField, air_stiffness_ratio
 from acoustics.losses import losses_from_t60
 from acoustics.meshed.cavity_mesh import box_mesh
 from acoustics.receivers import Receiver
-from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, side_by_side, together
-from femstruct.files.stored_values import Stored, restored, stored
+from acoustics.source import SurfaceShapes, SurfaceVelocity, SurfaceVibration, combine_surfaces, side_by_side
+from femstruct.files.stored_values import Stored, restore_value, store_value
 
 SIZE = (1.2, 0.9, 0.7)
 AIR = Air(340.0, 1.2)
@@ -146,9 +146,12 @@ def test_a_source_does_to_held_surfaces_what_they_do_to_its_place(example: Examp
 def test_surfaces_of_one_structure_share_their_rates(example: Example) -> None:
     """Shapes one below the other in the same coordinates, or each surface with coordinates of its own: one motion."""
     one, other = (moving(surface, PULSE, np.roll(PULSE, 40)) for surface in example.surfaces)
-    shared, apart = together([one, other]), together([one, moving(other, *(1.0 * other.rates[::-1])[::-1])])
+    shared, apart = (
+        combine_surfaces([one, other]),
+        combine_surfaces([one, moving(other, *(1.0 * other.rates[::-1])[::-1])]),
+    )
     assert shared.rates.shape == (2, len(T))
-    own = together([one, SurfaceVelocity(other.points, other.weights, 0.5 * other.shapes, 2 * other.rates, DT)])
+    own = combine_surfaces([one, SurfaceVelocity(other.points, other.weights, 0.5 * other.shapes, 2 * other.rates, DT)])
     assert own.rates.shape == (4, len(T))
     for each in (apart, own):
         assert np.abs(each.shapes @ each.rates - shared.shapes @ shared.rates).max() < ROUNDING
@@ -279,8 +282,8 @@ def test_pictures_show_what_is_heard(example: Example) -> None:
 @every_field
 def test_it_is_read_back_from_results_as_it_was(example: Example) -> None:
     kept: list[np.ndarray] = []
-    tables = stored(example.field, lambda array: kept.append(array) or len(kept) - 1)
-    again = restored(Stored(*json.loads(json.dumps(tables))), kept.__getitem__)
+    tables = store_value(example.field, lambda array: kept.append(array) or len(kept) - 1)
+    again = restore_value(Stored(*json.loads(json.dumps(tables))), kept.__getitem__)
     assert type(again) is type(example.field) and again.described() == example.field.described()
     moved = [both(example)]
     one, other = (field.pressures(moved, example.receivers)[0].p for field in (example.field, again))

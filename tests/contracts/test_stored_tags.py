@@ -33,7 +33,7 @@ from femstruct.errors import FemstructError, Finding
 from femstruct.evaluations.known_evaluations import EVALUATIONS
 from femstruct.files import results_format_4, stored_values
 from femstruct.files.results_file import read_results
-from femstruct.files.stored_values import Newer, is_noun, kind_of, restored, stored, tag_of
+from femstruct.files.stored_values import Newer, is_stored_class, kind_of, restore_value, store_value, tag_of
 from femstruct.files.tagged_modules import MODULES
 from femstruct.impact.response import ContactHistory, Outcome
 from femstruct.study.optima import Found, Front
@@ -96,7 +96,7 @@ def reachable(roots: tuple[object, ...]) -> set[type]:
                 fields = tuple(field.name for field in dataclasses.fields(hint))
             hints = hints_of(hint, names) if fields else {}
             waiting += [hints[name] for name in fields]
-    return {kind for kind in seen if is_noun(kind) and not inspect.isabstract(kind)}
+    return {kind for kind in seen if is_stored_class(kind) and not inspect.isabstract(kind)}
 
 
 def test_everything_that_results_can_hold_has_a_tag() -> None:
@@ -152,7 +152,7 @@ def rope_of(module: str) -> type:
 def test_a_class_without_a_tag_is_told_to_whoever_writes_it() -> None:
     kind = rope_of("femstruct.parts.rope")
     with pytest.raises(FemstructError, match=r"femstruct.parts.rope:Rope, which has no tag.*@stored_as\('WORDS"):
-        stored(kind(2.0), keep=lambda array: None)
+        store_value(kind(2.0), keep=lambda array: None)
 
 
 @pytest.mark.parametrize(
@@ -172,9 +172,9 @@ def test_tags_that_would_not_be_found_again_are_refused(tag: str, module: str, t
 
 def made_with(change: Callable[[dict[str, object]], object]) -> object:
     """A finding whose stored fields somebody changed."""
-    tables = stored(Finding("mechanism", "It moves."), keep=lambda array: None)
+    tables = store_value(Finding("mechanism", "It moves."), keep=lambda array: None)
     change(tables.nouns[0])
-    return restored(tables, fetch=lambda place: np.zeros(0))
+    return restore_value(tables, fetch=lambda place: np.zeros(0))
 
 
 def test_fields_are_told_by_name() -> None:
@@ -198,9 +198,9 @@ def test_an_older_version_of_a_noun_is_read(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_members_and_functions_are_told_by_tags() -> None:
-    tables = stored([Outcome.SEPARATED, kind_of("energy average/1")], keep=lambda array: None)
+    tables = store_value([Outcome.SEPARATED, kind_of("energy average/1")], keep=lambda array: None)
     assert tables.value == {"list": [{"enum": ["outcome/1", "SEPARATED"]}, {"function": "energy average/1"}]}
-    assert restored(tables, fetch=lambda place: np.zeros(0)) == [Outcome.SEPARATED, kind_of("energy average/1")]
+    assert restore_value(tables, fetch=lambda place: np.zeros(0)) == [Outcome.SEPARATED, kind_of("energy average/1")]
 
 
 @pytest.fixture(scope="module")

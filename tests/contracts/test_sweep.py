@@ -21,8 +21,8 @@ import xarray
 
 from femstruct.campaign.designs import campaigns_of, refuse_values
 from femstruct.campaign.executors import GONE, _pool, _Processes, crew
-from femstruct.campaign.forecast import planned
-from femstruct.campaign.rows import Number, Row, is_of, opened, write_rows
+from femstruct.campaign.forecast import forecast_campaign
+from femstruct.campaign.rows import Number, Row, is_of, open_journal, write_rows
 from femstruct.campaign.sweep import ROWS, set_aside, sweep
 from femstruct.campaign.tasks import Task, versions
 from femstruct.errors import InputError, InputErrors
@@ -228,10 +228,10 @@ def test_rows_of_another_version_are_set_aside(study: Path, tmp_path: Path, monk
 
 def test_rows_without_a_number_are_not_set_aside(study: Path, tmp_path: Path) -> None:
     path = tmp_path / ROWS
-    with opened(path, "another") as journal:
+    with open_journal(path, "another") as journal:
         journal.append([Row(0, "", {}, trouble="why")])
     assert set_aside(read_campaign(study), tmp_path) is None and not path.exists()
-    with opened(path, "another") as journal:
+    with open_journal(path, "another") as journal:
         journal.append([Row(0, "", {}, trouble="why"), Row(1, "light", {"total mass": Number(1.0, "kg")})])
     assert set_aside(read_campaign(study), tmp_path) == tmp_path / "sweep.1.rows"
 
@@ -254,7 +254,7 @@ def test_where_no_sample_can_be_read_nothing_is_computed(study: Path) -> None:
 
 
 def test_what_it_takes_is_told_beforehand(study: Path) -> None:
-    told = planned(read_campaign(study, ["structure.mass=1 kg,2 kg"]), workers=1)
+    told = forecast_campaign(read_campaign(study, ["structure.mass=1 kg,2 kg"]), workers=1)
     assert told["varies: structure.mass"] == "one of 1 kg, 2 kg"
     assert told["varies: bodies.ball.mass"].startswith("one of 0.5 kg, 1.0 kg")
     # the heavy case sets its mass itself: one more structure
@@ -354,14 +354,14 @@ def test_what_a_case_adds_varies_too(study: Path) -> None:
 
 def test_a_journal_keeps_what_it_was_given(tmp_path: Path) -> None:
     row = Row(3, "a", {}, ("x",), ("x",), "why", again=True, design=("a", "x=1 m"))
-    with opened(tmp_path / "j", "one") as journal:
+    with open_journal(tmp_path / "j", "one") as journal:
         journal.append([row])
-    with opened(tmp_path / "j", "one") as journal:
+    with open_journal(tmp_path / "j", "one") as journal:
         assert journal.rows() == [row]
         assert journal.append([replace(row, trouble="", again=False)]) == journal.rows()
     assert is_of(tmp_path / "j", "one") and not is_of(tmp_path / "j", "two")
     (tmp_path / "k").write_bytes(b"no database at all, but longer than a page header" * 40)
-    with pytest.raises(InputError, match="not a database"), opened(tmp_path / "k", "one"):
+    with pytest.raises(InputError, match="not a database"), open_journal(tmp_path / "k", "one"):
         pass
 
 
@@ -415,14 +415,14 @@ def test_a_number_that_no_row_has_ends_the_sweep_with_its_first_row(study: Path,
     told: list[str] = []
     campaign, expected = read_campaign(study), r"results: got 'm\.z velocty', .* did you mean 'm\.z velocity'\?"
     with pytest.raises(InputError, match=expected):
-        sweep(campaign, tmp_path, workers=1, progress=told.append, asked=["ball on m peak force", "m.z velocty"])
+        sweep(campaign, tmp_path, workers=1, progress=told.append, names=["ball on m peak force", "m.z velocty"])
     assert not any(line.startswith("1 of") for line in told)
     with pytest.raises(InputError, match=expected):  # at once, from the row that is kept
-        sweep(campaign, tmp_path, workers=1, progress=told.append, asked=["m.z velocty"])
+        sweep(campaign, tmp_path, workers=1, progress=told.append, names=["m.z velocty"])
     assert not any(line.startswith("1 of") for line in told)
     with pytest.raises(InputError, match=r"got 'colour', expected a number of the study; it has .*total mass"):
-        sweep(campaign, tmp_path, workers=1, asked=["colour"])
-    assert sweep(campaign, tmp_path, workers=1, asked=["m.z velocity"]).done.all()
+        sweep(campaign, tmp_path, workers=1, names=["colour"])
+    assert sweep(campaign, tmp_path, workers=1, names=["m.z velocity"]).done.all()
 
 
 def test_processes_are_ended_without_ending_this_one() -> None:

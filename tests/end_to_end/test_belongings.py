@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.files.writing import COMING, EARLIER, NAME, WRITTEN, together
+from femstruct.files.writing import COMING, EARLIER, NAME, WRITTEN, staged_folder
 from femstruct.language.cases import read_study
 from femstruct.study.results import StudyResult
 from femstruct.workflow import run as output
@@ -41,7 +41,7 @@ TWICE = {"twice _ new.box.mic.wav", "twice _ new.box.mic.wav.json"}
 
 KILLED = """
 import os, pathlib, signal, sys
-from femstruct.files.writing import together
+from femstruct.files.writing import staged_folder
 move, moves = pathlib.Path.replace, []
 def replace(self, target):
     if self.parent.name.startswith(".run"):
@@ -50,19 +50,19 @@ def replace(self, target):
         moves.append(target)
     return move(self, target)
 pathlib.Path.replace = replace
-with together(pathlib.Path(sys.argv[1])) as stage:
+with staged_folder(pathlib.Path(sys.argv[1])) as stage:
     for name in "abcdef":
         (stage.path / name).write_text("other")
 """
 WAITS = """
 import os, pathlib, signal, sys
-from femstruct.files.writing import together
+from femstruct.files.writing import staged_folder
 move = pathlib.Path.replace
 def replace(self, target):
     os.kill(os.getpid(), signal.SIGINT)
     return move(self, target)
 try:
-    with together(pathlib.Path(sys.argv[1])) as stage:
+    with staged_folder(pathlib.Path(sys.argv[1])) as stage:
         for name in "abc":
             (stage.path / name).write_text("other")
         pathlib.Path.replace = replace
@@ -152,7 +152,7 @@ def test_interrupted_before_anything_was_there_nothing_is(
 def test_killed_while_files_take_their_places_the_list_tells(moved: int, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     folder.mkdir()
-    with together(folder) as stage:
+    with staged_folder(folder) as stage:
         for name in "abcdef":
             (stage.path / name).write_text("one")
     killed = subprocess.run([sys.executable, "-c", KILLED, str(folder), str(moved)])
@@ -160,7 +160,7 @@ def test_killed_while_files_take_their_places_the_list_tells(moved: int, tmp_pat
     files = {name: (folder / name).read_text() for name in "abcdef"}
     assert sorted(files.values()) == ["one"] * (6 - moved) + ["other"] * moved
     assert json.loads((folder / NAME).read_text())[COMING] == list("abcdef")
-    with together(folder) as stage:
+    with staged_folder(folder) as stage:
         (stage.path / "g").write_text("third")
     assert names(folder) >= {"g", NAME} and not [name for name in names(folder) if name.startswith(".")]
     assert COMING not in json.loads((folder / NAME).read_text())
@@ -194,7 +194,7 @@ def test_nothing_outside_the_list_or_the_folder_is_removed(told: str, tmp_path: 
     (tmp_path / "x").write_text("1")
     (folder / "link").symlink_to(tmp_path / "x")
     (folder / NAME).write_text(told)
-    with together(folder) as stage:
+    with staged_folder(folder) as stage:
         (stage.path / "a").write_text("a")
     assert not stage.removed
     assert names(tmp_path) == {"results", "x"} and names(folder) == {"sub", "link", "a", NAME}

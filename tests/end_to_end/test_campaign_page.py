@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from femstruct.cli import app
-from femstruct.view.campaign_answers import written
+from femstruct.view.campaign_answers import value_text
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
 STUDY = """
@@ -49,4 +49,4 @@ def test_page_of_a_campaign(what: str, tmp_path: Path) -> None:
 
 
 def test_stiffness_is_written_in_a_unit_that_is_easy_to_read() -> None:
-    assert written(4e6, "N/m", "") == "4 MN/m" and written(2.5e8, "N/m^1.5", "") == "250 MN/m^1.5"
+    assert value_text(4e6, "N/m", "") == "4 MN/m" and value_text(2.5e8, "N/m^1.5", "") == "250 MN/m^1.5"

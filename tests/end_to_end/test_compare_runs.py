@@ -16,7 +16,7 @@ from femstruct.study.results import StudyResult
 from femstruct.view.case_tables import machine
 from femstruct.view.page import report
 from femstruct.workflow.run import run_study
-from femstruct.workflow.run_comparison import _between, _File, beside, differences, names_of
+from femstruct.workflow.run_comparison import _between, _File, combine_runs, differences, names_of
 from tests.data.command_line import femstruct
 
 MODEL = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\npoints: {m: {}}\n"
@@ -57,7 +57,7 @@ def read(runs: dict[str, Path]) -> dict[str, StudyResult]:
 
 
 def test_cases_stand_beside_the_baseline_of_the_first(read: dict[str, StudyResult]) -> None:
-    whole = beside(read)
+    whole = combine_runs(read)
     assert list(whole.cases) == ["light", "heavy: one", "heavy: two"] and whole.comparison.baseline == "light"
     for (run, case), name in {("light", "as given"): "light", ("heavy", "two"): "heavy: two"}.items():
         own = read[run].cases[case].channels["m.z velocity"].whole
@@ -95,7 +95,7 @@ def test_what_runs_were_set_to_is_listed_and_what_cases_change_is_not(tmp_path: 
         "a and b: the same input files",
         "b was run with --set time.sampling=12 kHz, --set structure.mass=3 kg",
     )
-    whole = beside(runs)
+    whole = combine_runs(runs)
     assert whole.comparison.inputs == differences(runs)
     page = report(whole)
     assert "What differs in the input files" in page and "b was run with --set time.sampling=12 kHz" in page
@@ -143,7 +143,7 @@ def test_runs_of_different_structures_stand_side_by_side(tmp_path: Path) -> None
 def test_a_machine_stands_beside_a_run_that_is_about_none(tmp_path: Path) -> None:
     blows = STUDY.replace("speed: 1 m/s", "speed: 1 m/s, blows: {count: 2, every: 4 ms}")
     runs = {"a": run_in(tmp_path / "a"), "b": run_in(tmp_path / "b", study=blows)}
-    grid = machine(beside(runs))
+    grid = machine(combine_runs(runs))
     assert [row[0] for row in grid.rows] == ["b"]
 
 
@@ -158,10 +158,10 @@ def test_a_change_beside_the_baseline_of_the_first_is_a_finding_when_it_is_not_c
         one = Channel(name, case.channels["m.z velocity"].values, "m/s^2", whole, whole, by_modes=(alone, alone))
         return replace(result, cases={"as given": replace(case, channels={name: one}, findings=())})
 
-    whole = beside({"a": having("light", 10.0, 5.0), "b": having("light", 6.0, 4.0)})
+    whole = combine_runs({"a": having("light", 10.0, 5.0), "b": having("light", 6.0, 4.0)})
     assert [one.code for one in whole.cases["b"].findings] == ["change-not-converged"]
     assert not whole.cases["a"].findings
-    alike = beside({"a": having("light", 10.0, 5.0), "b": having("light", 6.0, 3.0)})
+    alike = combine_runs({"a": having("light", 10.0, 5.0), "b": having("light", 6.0, 3.0)})
     assert not alike.cases["b"].findings
 
 

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from femstruct.cli import app
 from femstruct.errors import FemstructError
 from femstruct.files.frf_files import write_frf_csv, write_frf_uff
-from femstruct.files.sheets import sheets, write_beside, write_csv
+from femstruct.files.sheets import sheets, write_comparison, write_csv
 from femstruct.files.uff import write_uff
 from femstruct.language.cases import read_study
 from femstruct.language.models import read_model_file
@@ -77,7 +77,7 @@ def test_frequencies_and_a_response_give_the_floor_they_are_of(
     show_identification(table, found.beside)
     shown = capsys.readouterr().out
     assert "to use the values: --set 'materials.concrete.E=" in shown and "f.csv: 5 numbers, residuals" in shown
-    write_beside(found.beside, tmp_path / "beside.csv")
+    write_comparison(found.beside, tmp_path / "beside.csv")
     rows = (tmp_path / "beside.csv").read_text(encoding="utf-8-sig").splitlines()
     assert len(rows) == 1 + 5 + 61 and rows[1].startswith("modes,f.csv,1.0,,Hz,") and rows[1].endswith(",mode 3")
     assert rows[6].startswith("frf,accelerance Q.z / P.z,6.0,Hz,m/(N s^2),")

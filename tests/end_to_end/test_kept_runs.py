@@ -14,7 +14,7 @@ import pytest
 
 from femstruct.errors import FemstructError
 from femstruct.files.results_file import read_results
-from femstruct.files.writing import INPUTS, NAME, kept_beside, together
+from femstruct.files.writing import INPUTS, NAME, move_previous_folder, staged_folder
 from femstruct.language.cases import read_study
 from femstruct.workflow import run as output
 from femstruct.workflow.provenance import inputs_of
@@ -33,7 +33,7 @@ cases: {light: {}, heavy: {structure.mass: 4 kg}}
 """
 KILLED = """
 import os, pathlib, signal, sys
-from femstruct.files.writing import together
+from femstruct.files.writing import staged_folder
 steps = []
 def counted(what):
     def step(*arguments, **options):
@@ -42,7 +42,7 @@ def counted(what):
         steps.append(what)
         return what(*arguments, **options)
     return step
-with together(pathlib.Path(sys.argv[1]), inputs="new", keep=True) as stage:
+with staged_folder(pathlib.Path(sys.argv[1]), inputs="new", keep=True) as stage:
     for name in "abc":
         (stage.path / name).write_text("new")
     os.link, pathlib.Path.rename = counted(os.link), counted(pathlib.Path.rename)
@@ -69,7 +69,7 @@ def text(folder: Path) -> dict[str, str]:
 
 def put(folder: Path, inputs: str, *names: str) -> None:
     folder.mkdir(exist_ok=True)
-    with together(folder, inputs=inputs, keep=True) as stage:
+    with staged_folder(folder, inputs=inputs, keep=True) as stage:
         for name in names:
             (stage.path / name).write_text(inputs)
 
@@ -144,7 +144,7 @@ def test_where_nothing_can_be_written_beside_it_is_kept_inside(tmp_path: Path, m
     with monkeypatch.context() as patch:
         patch.setattr(Path, "mkdir", lambda *arguments, **options: (_ for _ in ()).throw(OSError(28, "No space left")))
         with pytest.raises(FemstructError, match=r"No space left while keeping the earlier run.*--replace"):
-            kept_beside(folder, ["a"])
+            move_previous_folder(folder, ["a"])
     assert (folder / "a").read_text() == "new"
 
 

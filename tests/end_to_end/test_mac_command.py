@@ -13,7 +13,14 @@ from femstruct.cli import app
 from femstruct.errors import InputError
 from femstruct.exits import leave_with
 from femstruct.files.uff import write_uff
-from femstruct.modal.measured import MeasuredFrf, MeasuredModes, MeasuredPlace, Measurement, carried_to, correlation
+from femstruct.modal.measured import (
+    MeasuredFrf,
+    MeasuredModes,
+    MeasuredPlace,
+    Measurement,
+    correlation,
+    interpolation_weights,
+)
 
 pytest.importorskip("pyuff", reason="universal files need the package pyuff")
 SIDE = 0.6
@@ -208,11 +215,11 @@ def test_pyvista_opens_the_shapes_without_a_word(files, tmp_path):
 def test_the_nearest_place_is_the_nearest_of_all(places, files):
     """Beside a search of every triangle: a plate and places beside, above and on it."""
     from femstruct.language.models import read_model
-    from femstruct.model.model import refined
+    from femstruct.model.model import refine_model
 
-    shown = refined(read_model(files[0]), 2)
+    shown = refine_model(read_model(files[0]), 2)
     some = np.random.default_rng(9).uniform([0.0, -0.1, 0.4], [0.8, 0.7, 0.6], (40, 3))
-    carry, distances = carried_to(shown, np.concatenate([some, places, shown.points[:3]]))
+    carry, distances = interpolation_weights(shown, np.concatenate([some, places, shown.points[:3]]))
     inside = np.clip(some, [0.1, 0.0, 0.5], [0.7, 0.6, 0.5])  # the nearest place of a rectangle
     np.testing.assert_allclose(distances[:40], np.linalg.norm(some - inside, axis=1), atol=1e-12)  # rounding
     np.testing.assert_allclose((carry @ shown.points)[:40], inside, atol=1e-12)  # rounding
@@ -224,9 +231,9 @@ def test_shapes_without_motion_are_refused(places, files):
     from femstruct.assembly.matrices import assemble
     from femstruct.language.models import read_model
     from femstruct.modal.reduction import modal_basis
-    from femstruct.model.model import refined
+    from femstruct.model.model import refine_model
 
     model = read_model(files[0])
     still = MeasuredModes([1.0], [0.0], np.zeros((25, 3, 1)), places, np.zeros((25, 3)))
     with pytest.raises(InputError, match="no displacement other than 0, expected shapes"):
-        correlation(still, modal_basis(assemble(model), count=1), refined(model))
+        correlation(still, modal_basis(assemble(model), count=1), refine_model(model))

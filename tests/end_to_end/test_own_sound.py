@@ -17,7 +17,7 @@ from acoustics.receivers import Receiver
 from femstruct.conventions import GRAVITY
 from femstruct.errors import InputErrors
 from femstruct.language.cases import read_study
-from femstruct.sound.radiated_power import pushed_velocity
+from femstruct.sound.radiated_power import velocity_from_forces
 from femstruct.study.results import CaseResult
 from femstruct.view.terminal import study_tables
 from femstruct.workflow.check import inspect_file
@@ -114,7 +114,12 @@ def test_what_lies_on_a_ball_is_above_it(tmp_path: Path) -> None:
     assert case.response is not None
     centres = {"a": 0.01, "b": 0.02 + 0.005}
     spheres = [
-        Sphere(height if name == "a" else 0.005, [-0.05, 0.02, height], pushed_velocity(case.response, name), 1 / 192e3)
+        Sphere(
+            height if name == "a" else 0.005,
+            [-0.05, 0.02, height],
+            velocity_from_forces(case.response, name),
+            1 / 192e3,
+        )
         for name, height in centres.items()
     ]
     wanted = sphere_pressures(spheres, HalfSpace(Air()), case.heard.own["open"].receivers)
@@ -130,7 +135,7 @@ def test_weight_and_lifting_make_no_sound(tmp_path: Path) -> None:
     response = case.response
     assert response is not None
     assert response.scene.gravity == GRAVITY
-    velocity, t = pushed_velocity(response, "ball"), response.t
+    velocity, t = velocity_from_forces(response, "ball"), response.t
     force = response.contacts["ball on hit"].force
     pushed = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]))]) / 96e3 / 0.033
     assert np.abs(velocity - pushed).max() < 2e-2 * pushed[-1]  # 7 samples of a contact

@@ -14,8 +14,8 @@ from femstruct.errors import InputError
 from femstruct.files.results_file import write_results
 from femstruct.language.cases import read_study
 from femstruct.study.results import CaseResult
-from femstruct.view.terminal import asked_tables
-from femstruct.workflow.bases import rest_states
+from femstruct.view.terminal import main_tables
+from femstruct.workflow.bases import static_states
 from femstruct.workflow.run import run_study
 
 ROUNDING = 1e-12  # rounding: 9e-15 here at most
@@ -361,7 +361,7 @@ time: {duration: 0.5 s, sampling: 1 kHz, gravity: true}
     case = run(OSCILLATOR, study)
     assert not values(case, "b velocity").any()
     assert not values(case, "m.z velocity").any()
-    (rest,) = rest_states(case.case.study)
+    (rest,) = static_states(case.case.study)
     assert rest.weight == pytest.approx(0.4 * G)
     assert rest.sag == pytest.approx(0.4 * G / 200)
 
@@ -435,7 +435,7 @@ time: {duration: 0.1 s, sampling: 1 kHz, gravity: true}
     assert np.abs(values(case, "tray velocity")).max() < ROUNDING
     assert np.abs(values(case, "load velocity")).max() < ROUNDING
     assert values(case, "load on tray force") == pytest.approx(0.6 * G, rel=ROUNDING)
-    (rest,) = rest_states(case.case.study)
+    (rest,) = static_states(case.case.study)
     assert rest.sag == pytest.approx(1.0 * G / 200)
 
 
@@ -614,7 +614,7 @@ time: {duration: 0.1 s, sampling: 5 kHz}
     assert found == pytest.approx(1e6 * share, rel=1e-9)  # rounding
     assert share.max() > 1.05
     result = run_study(read_study(tmp_path / "study.yaml"))
-    titles = [grid.title for grid in asked_tables(result) if grid.title.startswith("peaks")]
+    titles = [grid.title for grid in main_tables(result) if grid.title.startswith("peaks")]
     assert "; force of a part or support with its share of the damping of the modes" in titles[0]
     write_results(tmp_path / "results.h5", result)
     with h5py.File(tmp_path / "results.h5") as file:

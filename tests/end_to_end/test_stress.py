@@ -8,11 +8,11 @@ import pytest
 from femstruct.elements.stresses import von_mises
 from femstruct.errors import InputErrors
 from femstruct.files.results_file import read_results, write_results
-from femstruct.impact.resampled import closer
+from femstruct.impact.resampled import resample
 from femstruct.language.cases import read_study
 from femstruct.view.answer_tables import stresses
 from femstruct.view.case_tables import limits
-from femstruct.workflow.recorded_channels import in_band, largest_stress, walked
+from femstruct.workflow.recorded_channels import in_band, largest_stress, walk_stresses
 from femstruct.workflow.run import run_study
 
 MODEL = """
@@ -56,7 +56,7 @@ def test_the_largest_stress_is_that_of_all_histories(result, part):
     case = result.cases["as given"]
     (model,) = result.models.values()
     places = model.parts[part].stresses(model.mesh.n_nodes)
-    seen = closer(case.response)
+    seen = resample(case.response)
     stress = np.einsum("pck,kt->pct", places.of(seen.basis.shapes), seen.q)
     equivalent = von_mises(stress, places.components)
     channel = case.channels[f"{part} stress"]
@@ -73,9 +73,9 @@ def test_blocks_of_any_length_give_the_same(result, monkeypatch):
     case = result.cases["as given"]
     (model,) = result.models.values()
     places, q = model.parts["leg"].stresses(model.mesh.n_nodes), case.response.q
-    whole = walked(places, case.basis.shapes, q)
+    whole = walk_stresses(places, case.basis.shapes, q)
     monkeypatch.setattr("femstruct.workflow.recorded_channels.AT_ONCE", 1000)
-    for one, other in zip(whole, walked(places, case.basis.shapes, q), strict=True):
+    for one, other in zip(whole, walk_stresses(places, case.basis.shapes, q), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9)  # rounding of products of other shapes
 
 
@@ -112,7 +112,7 @@ def test_the_results_file_has_them(result, tmp_path):
 
 def test_filtered_is_the_motion_not_the_stress(tmp_path):
     filtered = run_study(study(tmp_path, extra="peaks: {lowpass: 1 kHz}\ntime:")).cases["as given"]
-    seen = closer(filtered.response)
+    seen = resample(filtered.response)
     (places,) = [part.stresses(len(filtered.basis.points)) for part in _parts(filtered, tmp_path) if part.name == "leg"]
     _, exact = largest_stress(places, seen, in_band(seen.q, seen.clock.sampling, (0.0, 1000.0)))
     assert filtered.channels["leg stress"].whole == pytest.approx(exact.largest.max(), rel=1e-9)  # rounding

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from femstruct.language.cases import read_study
-from femstruct.workflow.model_answers import at_rest, frf_of
+from femstruct.workflow.model_answers import frf_of, statics_table
 from femstruct.workflow.run import run_study
 
 MODEL = """
@@ -38,7 +38,7 @@ def test_the_equivalent_stress_of_timber_is_told_to_be_no_measure(material: str,
     assert len(found) == told
     assert all(one.startswith("board:") and "timber is orthotropic" in one for one in found)
     for table in (
-        at_rest(model, ["middle.z=-1 kN"], weight=False),
+        statics_table(model, ["middle.z=-1 kN"], weight=False),
         frf_of(model, "middle.z", "board.stress", "5 Hz:50 Hz", "1 Hz", "", "modal"),
         frf_of(model, "middle.z", "middle.stress", "5 Hz:50 Hz", "1 Hz", "", "modal"),
     ):

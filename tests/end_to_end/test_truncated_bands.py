@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from acoustics.levels.bands import LOUDER_DB, OFF_DB, band_edges, band_response, filtered, passed_by
+from acoustics.levels.bands import LOUDER_DB, OFF_DB, band_edges, band_response, filter_reach, passes_below
 from acoustics.levels.sound_levels import sound_levels
 from femstruct.language.cases import read_study
 from femstruct.study.results import CaseResult
@@ -72,13 +72,13 @@ def last(case: CaseResult) -> float:
 def test_what_is_left_out_beyond_a_band_is_faint() -> None:
     """10 dB more than in a band, or in a third of an octave, adds 0.2 dB where the modes end, by its filter itself."""
     for fraction in (1, 3):
-        end = passed_by(fraction)
+        end = filter_reach(fraction)
         gain = np.abs(band_response(np.array([1000.0 * end]), 1000.0, 1e6, fraction))[0] ** 2
         louder = 10 ** (LOUDER_DB / 10) * fraction / 3
         # the bilinear transform at a sampling of 1 MHz
         assert 10 * np.log10(1 + louder * gain) == pytest.approx(OFF_DB, rel=1e-3)
         assert end > band_edges(1.0, fraction)[1]
-    assert filtered(100.0, 125.1) and not filtered(100.0, 124.9)
+    assert passes_below(100.0, 125.1) and not passes_below(100.0, 124.9)
 
 
 def test_bands_of_a_slab(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import scipy.signal
 from acoustics.levels.bands import band_filter, band_passes, octave_bands, ringing_time, third_octave_bands
 from acoustics.levels.sound_levels import sound_levels
 from acoustics.levels.weighting import time_weighted
-from acoustics.rooms.box_pressure import faded
+from acoustics.rooms.box_pressure import fade_out
 
 RATE, SAMPLES = 48e3, 48000
 
@@ -33,7 +33,7 @@ def test_every_sample_is_that_of_the_recursion(fraction) -> None:
         spectrum = np.fft.rfft(p, next(iter(passes.values())).length)
         for nominal, one in passes.items():
             heard = one.of(spectrum, float(p[-1])).values
-            wanted = scipy.signal.sosfilt(band_filter(centres[nominal], RATE, fraction), faded(p, one.tail))
+            wanted = scipy.signal.sosfilt(band_filter(centres[nominal], RATE, fraction), fade_out(p, one.tail))
             # what has fallen by 60 dB twice, after the fade and the ringing of a tone that does not end, comes round
             assert np.abs(heard - wanted).max() < 1e-5 * np.abs(p).max(), nominal
 
@@ -49,7 +49,7 @@ def test_levels_are_those_of_the_recursion() -> None:
         ):
             for nominal, centre in centres.items():
                 tail = ceil(ringing_time(centre, fraction) * RATE)
-                heard = scipy.signal.sosfilt(band_filter(centre, RATE, fraction), faded(p, tail))
+                heard = scipy.signal.sosfilt(band_filter(centre, RATE, fraction), fade_out(p, tail))
                 fast = scipy.signal.lfilter([1 - keep], [1, -keep], heard**2).max()
                 wanted = 10 * np.log10(max(fast, 1e-30) / 4e-10)
                 if wanted > max(levels.values()) - 80:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from femstruct.cli import app
 from femstruct.errors import InputError
 from femstruct.model.library import Use
-from femstruct.model.library_entries import alike, library, looked_up, matching
+from femstruct.model.library_entries import library, look_up, matching_entries, material_like
 from femstruct.model.materials import Orthotropic
 
 # Thickness times critical frequency [m Hz] that Hopkins' table A2 prints beside speed, density and nu, at c = 343 m/s.
@@ -52,7 +52,7 @@ def test_every_value_has_a_source_and_is_within_its_range() -> None:
 @pytest.mark.parametrize("name", CRITICAL)
 def test_critical_frequencies_are_those_of_the_table(name: str) -> None:
     """f_c h = c^2 sqrt(12 rho (1 - nu^2) / E) / 2 pi, a column of the table that no entry was made of."""
-    material = alike("one", name)
+    material = material_like("one", name)
     assert not isinstance(material, Orthotropic)
     product = 343.0**2 / (2.0 * pi) * sqrt(12.0 * material.rho * (1.0 - material.nu**2) / material.E)
     assert product == pytest.approx(CRITICAL[name], abs=0.1)  # printed with one decimal; speeds are, too, rounded
@@ -60,7 +60,7 @@ def test_critical_frequencies_are_those_of_the_table(name: str) -> None:
 
 def test_moduli_of_concrete_are_those_of_the_formula() -> None:
     """E_cm = 22 GPa (f_cm / 10 MPa)^0.3 with f_cm = f_ck + 8 MPa (EN 1992-1-1, table 3.1), rounded to GPa."""
-    classes = [one for one in matching(["concrete C"]) if "/" in one.name]
+    classes = [one for one in matching_entries(["concrete C"]) if "/" in one.name]
     assert len(classes) == 14
     for entry in classes:
         strength = float(entry.name.split("C")[1].split("/")[0])
@@ -94,14 +94,14 @@ def test_hangers_are_load_over_deflection() -> None:
 
 
 def test_a_material_takes_what_is_known_better() -> None:
-    slab = alike("slab", "concrete C30/37", E=35e9, loss_factor=0.02)
+    slab = material_like("slab", "concrete C30/37", E=35e9, loss_factor=0.02)
     assert (slab.E, slab.rho, slab.loss_factor) == (35e9, 2300.0, 0.02)
     assert [one.split(" ")[0] for one in slab.completed] == ["nu", "rho"]
-    board = alike("board", "OSB/3", rho=620.0)
+    board = material_like("board", "OSB/3", rho=620.0)
     assert isinstance(board, Orthotropic)
     assert (board.E[:2], board.G, board.rho) == ((4930e6, 1980e6), (1080e6, 50e6, 50e6), 620.0)
     assert any("EN 12369-1" in one for one in board.completed)
-    joist = alike("joist", "C24", E=(12e9, 400e6))
+    joist = material_like("joist", "C24", E=(12e9, 400e6))
     assert isinstance(joist, Orthotropic) and joist.E == (12e9, 400e6, 400e6) and joist.G[1] == 69e6
 
 
@@ -114,7 +114,7 @@ def test_what_is_no_material_is_refused() -> None:
         ("chipboard", {"nu": (0.3, 0.3, 0.3)}, "got several ratios"),
     ):
         with pytest.raises(InputError, match=told):
-            alike("one", like, **values)  # type: ignore[arg-type]
+            material_like("one", like, **values)  # type: ignore[arg-type]
 
 
 def test_the_command_lists_and_explains() -> None:
@@ -127,4 +127,4 @@ def test_the_command_lists_and_explains() -> None:
     assert table["values"]["stiffness_per_area"]["value"] == 14e6
     assert table["values"]["stiffness_per_area"]["source"].startswith("C. Hopkins")
     with pytest.raises(InputError, match=r"WORD: got 'concrete c30/35', expected .*did you mean 'concrete C30/37'"):
-        looked_up(["concrete", "c30/35"])
+        look_up(["concrete", "c30/35"])

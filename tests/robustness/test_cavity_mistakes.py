@@ -13,7 +13,7 @@ from femstruct.model.mesher import mesh_structure
 from femstruct.model.structure import Structure
 from femstruct.study.asked import Extent
 from femstruct.workflow.check import inspect_file
-from femstruct.workflow.exchange import Ending, exported
+from femstruct.workflow.exchange import Ending, export_source
 from femstruct.workflow.model_answers import frf_of
 from femstruct.workflow.modes import complex_modes_of, modes_of
 from femstruct.workflow.structure_findings import structure_findings_before
@@ -201,7 +201,7 @@ def test_what_knows_the_structure_alone_refuses_its_air(tmp_path: Path) -> None:
     formats: tuple[Ending, ...] = ("npz", "mtx")
     for to in formats:
         with pytest.raises(FemstructError, match=r"got a model with cavities, expected a structure without air"):
-            exported(file, to, tmp_path, None, (), "", lambda line: None)
+            export_source(file, to, tmp_path, None, (), "", lambda line: None)
 
 
 THICK = """\

@@ -19,7 +19,7 @@ from femstruct.model.structure import Structure
 from femstruct.parts.frame import Frame
 from femstruct.parts.hangers import Hangers
 from femstruct.parts.plate import Plate
-from femstruct.workflow.bases import positioned
+from femstruct.workflow.bases import with_positions
 
 TEXT = """\
 materials:
@@ -109,7 +109,7 @@ def test_a_spacing_in_metres_is_refused_where_it_is_written(tmp_path: Path) -> N
     assert isinstance(source.structure, Structure)
     with (
         pytest.raises(InputErrors, match=r"a\.yaml:10:\d+: parts\.clips\.spacing: got 600 m on .* did you mean 600 mm"),
-        positioned(source),
+        with_positions(source),
     ):
         mesh_structure(source.structure)
 

@@ -24,7 +24,7 @@ FREE = given_modes([], [], {})[0]
 
 def by_collocation(monkeypatch: pytest.MonkeyPatch, scene: Scene, clock: Clock) -> Response:
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "takes_exact_march", lambda *_: False)
+        patch.setattr(engine, "is_piecewise_linear", lambda *_: False)
         return engine.simulate(FREE, scene, clock)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from femstruct.errors import FemstructError, InputErrors
 from femstruct.language.cases import read_study
-from femstruct.workflow.bases import positioned
+from femstruct.workflow.bases import with_positions
 from femstruct.workflow.run import run_study
 
 PLATE = """
@@ -103,6 +103,6 @@ def test_what_modes_and_meshes_show_is_one_line_too(name: str, tmp_path: Path) -
     source, told = RUNS[name]
     damping = "" if name == "no damping" else "damping: {loss_factor: 3 %}\n"
     plan = read_study(written(tmp_path, source, damping))
-    with pytest.raises(FemstructError) as caught, positioned(plan):
+    with pytest.raises(FemstructError) as caught, with_positions(plan):
         run_study(plan)
     assert re.search(told, str(caught.value)), caught.value

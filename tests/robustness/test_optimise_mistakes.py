@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.campaign.forecast import planned, planned_search
+from femstruct.campaign.forecast import forecast_campaign, forecast_search
 from femstruct.campaign.optimise import optimise
 from femstruct.errors import InputErrors
 from femstruct.language.campaigns import read_campaign, read_search
@@ -83,7 +83,7 @@ def test_what_cannot_be_is_refused_before_anything_is_run(value: str, tmp_path: 
     )
     path = tmp_path / "a.study.yaml"
     path.write_text(f"{STUDY}optimise: {value}\n", encoding="utf-8")
-    for ask in (lambda: optimise(read_search(path), workers=1), lambda: planned_search(read_search(path))):
+    for ask in (lambda: optimise(read_search(path), workers=1), lambda: forecast_search(read_search(path))):
         with pytest.raises(InputErrors) as caught:
             ask()
         assert len(caught.value.errors) == 1 and BEFORE[value] in caught.value.errors[0], caught.value.errors
@@ -98,7 +98,7 @@ def test_a_range_of_which_one_end_cannot_be_is_tried(tmp_path: Path) -> None:
     path = tmp_path / "a.study.yaml"
     path.write_text(STUDY, encoding="utf-8")
     search = read_search(path, "maximise m.z velocity", ["bodies.ball.mass=-1 kg:1 kg"], runs=40)
-    told = planned_search(search, workers=1)
+    told = forecast_search(search, workers=1)
     assert "got '-1.0 kg', expected a positive value" in str(told["refused: bodies.ball.mass, lower end of its range"])
     assert told["may be chosen: bodies.ball.mass"] == "-1 kg .. 1 kg" and "m.z velocity" in str(told["main numbers"])
     found = optimise(search, workers=1)
@@ -113,9 +113,9 @@ def test_a_plan_states_goals_that_have_no_number(tmp_path: Path) -> None:
     path.write_text(f"{STUDY}limits: {{settled: 1 s}}\n", encoding="utf-8")
     why = "settled (not at rest when the window, or the time between blows, ends)"
     for goal, lacking in (("settled", why), ("m.z velocity", why)):  # a limit of the study, too
-        told = planned_search(read_search(path, f"minimise {goal}", ["bodies.ball.mass=1 kg:2 kg"]), workers=1)
+        told = forecast_search(read_search(path, f"minimise {goal}", ["bodies.ball.mass=1 kg:2 kg"]), workers=1)
         assert told["not known in the design that was run"] == lacking
-    told = planned(read_campaign(path, ["bodies.ball.mass=1 kg,2 kg"]), workers=1)
+    told = forecast_campaign(read_campaign(path, ["bodies.ball.mass=1 kg,2 kg"]), workers=1)
     assert told["not known in the first sample"] == why
 
 

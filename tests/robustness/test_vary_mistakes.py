@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from femstruct.campaign.forecast import planned
+from femstruct.campaign.forecast import forecast_campaign
 from femstruct.campaign.optimise import optimise
 from femstruct.campaign.sweep import sweep
 from femstruct.errors import InputErrors
@@ -168,7 +168,9 @@ def test_a_case_that_sets_what_varies_is_named(tmp_path: Path) -> None:
         "bodies.ram.mass does not vary in 'heavy', which sets this itself: vary 'cases.heavy.bodies.ram.mass' for that"
     )
     assert told in list(swept_pieces(rows))
-    assert planned(read_campaign(tmp_path / "a.study.yaml"))["set by case 'heavy' itself"] == "bodies.ram.mass"
+    assert (
+        forecast_campaign(read_campaign(tmp_path / "a.study.yaml"))["set by case 'heavy' itself"] == "bodies.ram.mass"
+    )
     there = ("cases.heavy.bodies.ram.mass=1 kg,2 kg",)
     rows = sweep(read_campaign(tmp_path / "a.study.yaml", there), tmp_path / "there")
     varied = rows.of("ram on ground peak force", "heavy")

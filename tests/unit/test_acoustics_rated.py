@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from acoustics.errors import AcousticsError
 from acoustics.fields.rectangular import Room
-from acoustics.levels.bands import octave_bands, shown, third_octave_bands
+from acoustics.levels.bands import is_below, octave_bands, third_octave_bands
 from acoustics.levels.rated import rate_room
 from acoustics.levels.sound_levels import equivalent_levels, level_history, sound_levels
 from acoustics.levels.standards import (
@@ -23,7 +23,7 @@ from acoustics.levels.standards import (
     method_of,
     rating_of,
     refuse_source,
-    shifted_curve,
+    shift_curve,
     single_number,
     weighted_impact_level,
 )
@@ -140,7 +140,7 @@ def test_a_tapping_machine_is_rated_by_the_shifted_curve():
 
 def test_curves_drawn_beside_the_bands_rate_as_they_say():
     """A floor on the shifted curve itself has no excess; 32 dB in 16 bands let the curve go down 2 dB."""
-    assert weighted_impact_level(shifted_curve(60.0)).weighted_db == 58.0
+    assert weighted_impact_level(shift_curve(60.0)).weighted_db == 58.0
     parts = equal_parts(55.0)
     assert heavy_impact_level(parts).unrounded_db == pytest.approx(55.0)
     corrected = [parts[band] + weight for band, weight in A_THIRDS.items()]
@@ -197,7 +197,7 @@ def test_bands_end_and_samplings_begin_where_the_filters_say():
         assert method.bands_hz[-1] not in bands(method.least_sampling_hz - 100.0)
         end = 10 * np.ceil(method.highest_hz / 10)  # what 'modes: {up_to: }' is advised to be
         exact = bands(1e6)[method.bands_hz[-1]]
-        assert shown(exact, end, method.fraction) and not shown(exact, 0.999 * method.highest_hz, method.fraction)
+        assert is_below(exact, end, method.fraction) and not is_below(exact, 0.999 * method.highest_hz, method.fraction)
         # the edge of IEC 61260-1, beside the exact centre of base ten
         assert method.highest_hz == pytest.approx(exact * 10 ** (0.15 / method.fraction), rel=ROUNDING)
 

@@ -13,9 +13,9 @@ import pytest
 
 from femstruct.compiled.kernels import CompiledUnit, Matrix, Vector, kernels_of, laid_out, layout_of, unit, units_called
 from femstruct.impact.batch_march import run_many
-from femstruct.impact.collocation import march, state_at_start
-from femstruct.impact.contact_events import room_for
-from femstruct.impact.exact import ExactSteps, exact_march, exact_room, exact_rule
+from femstruct.impact.collocation import integrate, state_at_start
+from femstruct.impact.contact_events import empty_record
+from femstruct.impact.exact import ExactSteps, exact_rule, exact_workspace, integrate_exactly
 from femstruct.impact.scene import GROUND, Body, Clock, Contact, Scene
 from femstruct.impact.simulate import ALL
 from femstruct.impact.system import compile_scene
@@ -64,15 +64,19 @@ def test_a_field_without_a_layout_is_refused() -> None:
 
 
 def test_units_are_compiled_apart_from_those_they_call() -> None:
-    assert {one.name.rpartition(".")[2] for one in units_called(run_many)} == {"march", "attempt", "exact_march"}
-    assert not {function.__name__ for function in kernels_of(march)} & {"try_step", "watch", "attempt"}
+    assert {one.name.rpartition(".")[2] for one in units_called(run_many)} == {
+        "integrate",
+        "attempt",
+        "integrate_exactly",
+    }
+    assert not {function.__name__ for function in kernels_of(integrate)} & {"try_step", "watch", "attempt"}
 
 
 def test_a_fingerprint_changes_with_the_code_of_every_kernel_in_a_unit() -> None:
     """A copy of the unit whose module has one other kernel, or another constant."""
 
     def copied(**changed: object) -> CompiledUnit[..., int]:
-        python = exact_march.python
+        python = integrate_exactly.python
         code = {**python.__globals__, **changed}
         function = FunctionType(python.__code__, code, python.__name__, python.__defaults__)
         function.__module__, function.__qualname__ = python.__module__, python.__qualname__
@@ -94,11 +98,11 @@ def test_machine_code_and_python_agree() -> None:
     scene = Scene((Body("b", 1.0, -1.0),), (Contact("c", "b", GROUND, Linear(1e6, 30.0)),))
     compiled = compile_scene(basis, scene, Clock(3e-3, 1e3))
     ends = []
-    for way in (exact_march, exact_march.python):
-        state, record = state_at_start(compiled), room_for(compiled.system, 0)
+    for way in (integrate_exactly, integrate_exactly.python):
+        state, record = state_at_start(compiled), empty_record(compiled.system, 0)
         with np.errstate(all="ignore"):
             steps = ExactSteps(3e-3, interval=np.inf, longest=np.inf, max_steps=1000)
-            how = way(compiled.system, state, exact_rule(), exact_room(compiled.system), record, steps)
+            how = way(compiled.system, state, exact_rule(), exact_workspace(compiled.system), record, steps)
         ends.append((how, state.v.copy(), record.peak.copy(), record.ended.copy()))
     (how, v, peak, ended), (also, v_too, peak_too, ended_too) = ends
     assert how == also == 0

@@ -16,7 +16,7 @@ from acoustics.levels.sound_energy import SoundEnergy
 from acoustics.levels.sound_levels import Levels, sound_levels
 from acoustics.reported import Reported as HeardReported
 from femstruct.files.datasets import axis
-from femstruct.files.described import columns, described, write_described, write_held, write_rows
+from femstruct.files.described import columns, describe, write_described, write_held, write_rows
 from femstruct.impact.numerical_error import Resolved
 from femstruct.impact.response import Blow, BodyHistory, ContactHistory
 from femstruct.reported import OWN_UNIT, Held, Reported, reported
@@ -42,7 +42,7 @@ def more() -> MoreLevels:
 
 
 def test_one_more_level_is_everywhere(more: MoreLevels) -> None:
-    table = described(more)
+    table = describe(more)
     assert table["l_af5_db"] == 71.5 and table["l_afmax_db"] == more.l_afmax_db
     assert table["bands_db"]["500"] == more.bands_db[500.0]
     with h5py.File(BytesIO(), "w") as file:
@@ -79,7 +79,7 @@ class Answers:
 def test_nouns_that_a_noun_holds_are_written_with_it(more: MoreLevels) -> None:
     """A new kind of answer is in JSON and in the results file, with its units, its axes and what it holds itself."""
     found = Answers({"one": Answer("kN", 2.0, np.array([1.0, 2.0, 4.0]), {"bed.mic": more})})
-    table = described(found)
+    table = describe(found)
     assert table["told"]["one"]["size"] == 2.0 and table["missing"] is None and table["rated"]["b"]["value"] == 3.0
     assert table["told"]["one"]["levels"]["bed.mic"]["l_af5_db"] == 71.5
     with h5py.File(BytesIO(), "w") as file:

@@ -15,7 +15,7 @@ import findings_page
 import pytest
 
 from femstruct.errors import Finding, InputError
-from femstruct.findings.catalogue import CATALOGUE, SUBJECTS, entry_of, rank_of, ranked
+from femstruct.findings.catalogue import CATALOGUE, SUBJECTS, entry_of, rank_findings, rank_of
 from femstruct.findings.entry import FORBIDS, LIMITS, REMARK, Entry
 from femstruct.findings.explain import explanation, listing, page
 
@@ -162,7 +162,7 @@ def test_the_list_has_every_code_under_its_rank() -> None:
 def test_a_finding_that_says_it_is_severe_comes_first() -> None:
     mesh = Finding("coarse-mesh", "Coarse.", severe=True)
     found = (Finding("two-way-coupling", "Air."), Finding("own", "Of another program."), mesh, mesh)
-    assert [one.code for one in ranked(found)] == ["coarse-mesh", "own", "two-way-coupling"]
+    assert [one.code for one in rank_findings(found)] == ["coarse-mesh", "own", "two-way-coupling"]
     assert rank_of("own", severe=False) is LIMITS and rank_of("coarse-mesh", severe=False) is LIMITS
 
 

@@ -9,7 +9,7 @@ import pytest
 from femstruct.errors import InputError, InputErrors
 from femstruct.language.cases import json_schema, read_study
 from femstruct.workflow.bases import solve_all
-from femstruct.workflow.staging import scene
+from femstruct.workflow.staging import build_scene
 
 MODEL = """structure:
   type: modes
@@ -29,7 +29,7 @@ def link(folder: Path, top: str, base: str, study: str = STUDY) -> tuple[object,
     (folder / "model.yaml").write_text(MODEL % (top, base))
     (folder / "hit.study.yaml").write_text(study)
     (case,) = read_study(folder / "hit.study.yaml").cases
-    found = scene(case.study, solve_all((case,))[case.name].places).links[0]
+    found = build_scene(case.study, solve_all((case,))[case.name].places).links[0]
     return found.upper, found.lower
 
 

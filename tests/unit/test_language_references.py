@@ -10,7 +10,7 @@ from femstruct.errors import InputErrors
 from femstruct.language.cases import read_study
 from femstruct.language.model_file import ModelSpec
 from femstruct.language.studies import StudySpec
-from femstruct.yaml.spec import found, references
+from femstruct.yaml.spec import names_at, references
 
 STUDY = """
 model: {model}
@@ -51,8 +51,8 @@ def test_the_table_knows_who_refers_to_whom() -> None:
 def test_names_are_found_in_a_tree() -> None:
     tree = {"loads": {"a": {"along": ["P", "Q"]}, "b": {"along": "R"}, "c": {"at": "S.z"}, "d": 5}}
     steps = [("loads", "a", "along", 0), ("loads", "a", "along", 1), ("loads", "b", "along")]
-    assert list(found(tree, ("loads", "*", "along", "*"))) == list(zip(steps, "PQR", strict=True))
-    assert list(found(tree, ("loads", "*", ("type", "x"), "along"))) == []
+    assert list(names_at(tree, ("loads", "*", "along", "*"))) == list(zip(steps, "PQR", strict=True))
+    assert list(names_at(tree, ("loads", "*", ("type", "x"), "along"))) == []
 
 
 @pytest.mark.parametrize(

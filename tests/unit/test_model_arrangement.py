@@ -15,7 +15,7 @@ from femstruct.model.regions import Region
 from femstruct.model.sections import Section, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
 from femstruct.parts.block import Block
-from femstruct.parts.connection_findings import arrangement_findings, twice_findings
+from femstruct.parts.connection_findings import arrangement_findings, duplicate_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.inertia import Inertia
@@ -48,7 +48,7 @@ def the(found: tuple[Finding, ...]) -> Finding:
 def test_nothing_is_said_of_a_table_or_of_a_free_plate() -> None:
     assert told(TABLE, gravity=True) == ()
     assert told(Structure("free", (TOP,))) == ()
-    assert twice_findings(TABLE) == ()
+    assert duplicate_findings(TABLE) == ()
 
 
 def test_a_top_that_no_joint_holds_is_told_with_where_it_touches() -> None:
@@ -225,7 +225,7 @@ def test_a_mass_of_a_million_times_the_rest_is_told() -> None:
 
 
 def twice(*parts: Part, joints=(), points=()) -> tuple[Finding, ...]:
-    return twice_findings(Structure("s", parts, joints, points))
+    return duplicate_findings(Structure("s", parts, joints, points))
 
 
 # height above the first, turned about its normal or not, and the share of 10 mm that both fill

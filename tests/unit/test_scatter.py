@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from femstruct.model.scatter import interleaved, scattered
+from femstruct.model.scatter import interleave, scatter
 
 
 @pytest.mark.parametrize("side", [1, 2, 3, 6])
@@ -21,7 +21,7 @@ def test_sums_are_those_of_a_loop(side, shift):
     for of, whole in zip(matrices, expected, strict=True):
         for dofs, matrix in zip(numbers, of, strict=True):
             whole[np.ix_(dofs, dofs)] += matrix
-    for got, whole in zip(scattered(*matrices, numbers, count), expected, strict=True):
+    for got, whole in zip(scatter(*matrices, numbers, count), expected, strict=True):
         np.testing.assert_allclose(got.toarray(), whole, atol=1e-13)  # rounding of sums of up to 30 numbers of size 1
         assert got.has_canonical_format
         if not shift and side > 1:
@@ -36,8 +36,8 @@ def test_elements_that_share_their_matrices(side):
     numbers = (side * nodes[:, :, None] + np.arange(side)).reshape(30, -1)
     matrices, which = random.standard_normal((2, 2, 4 * side, 4 * side)), random.integers(0, 2, 30)
     count = 9 * side
-    shared = scattered(*matrices, numbers, count, which)
-    each = scattered(*matrices[:, which], numbers, count)
+    shared = scatter(*matrices, numbers, count, which)
+    each = scatter(*matrices[:, which], numbers, count)
     for one, other in zip(shared, each, strict=True):
         assert one.shape == (count, count)
         np.testing.assert_allclose(one.toarray(), other.toarray(), atol=1e-14)  # the same sums
@@ -49,7 +49,7 @@ def test_interleaved_matrices_keep_their_entries():
     sparse = [csr_array(one) for one in dense]
     sparse[0].data[0] = 0.0
     dense[0] = sparse[0].toarray()
-    got = interleaved(sparse, (4, 3))
+    got = interleave(sparse, (4, 3))
     own = [(7 * np.arange(4)[:, None] + first + np.arange(n)).ravel() for first, n in ((0, 4), (4, 3))]
     for places, one in zip(own, dense, strict=True):
         np.testing.assert_array_equal(got.toarray()[np.ix_(places, places)], one)

@@ -22,7 +22,7 @@ from femstruct.study.asked import FatigueRequest
 from femstruct.study.inputs import Inputs, differences, inputs
 from femstruct.study.study import Plan
 from femstruct.view.page import cases_table, further_inputs, input_tables
-from femstruct.view.structure_tables import _room_told
+from femstruct.view.structure_tables import _room_parts
 
 MODELS = Path(__file__).parents[2] / "models"
 STUDIES = sorted(MODELS.glob("*.study.yaml"))
@@ -117,7 +117,7 @@ def test_a_reverberation_time_that_is_given_as_one_value_is_shown() -> None:
     assert "reverberation time of all modes 500 ms" in rooms.rows[0][2]
     described = study.rooms[0].room.described()
     assert described["reverberation_time_of_all_modes_s"] == pytest.approx(0.5, rel=1e-12)  # rounding
-    told = "; ".join(_room_told(described))
+    told = "; ".join(_room_parts(described))
     assert told.startswith("first modes ") and told.endswith("; reverberation time 0.5 s of all modes")
     other = Room([5.0, 4.0, 2.5], losses=losses_from_beta(0.01, 100.0))
     assert "reverberation_time_of_all_modes_s" not in other.described()

@@ -11,7 +11,7 @@ import pytest
 
 from femstruct.errors import FemstructError
 from femstruct.study.results import StudyResult
-from femstruct.view.model_scene import FORKS, LEFT_OUT, WAYS, NoOpenGL, drawn_beside
+from femstruct.view.model_scene import FORKS, LEFT_OUT, WAYS, NoOpenGL, draw_in_process
 from femstruct.workflow.run import NO_PICTURES, write_all
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(not FORKS, reason="drawn in this process there")
 
 def test_its_answer_comes_back() -> None:
     here = os.getpid()
-    assert drawn_beside(lambda: (os.getpid() != here, "drawn"))() == (True, "drawn")
+    assert draw_in_process(lambda: (os.getpid() != here, "drawn"))() == (True, "drawn")
 
 
 def test_what_it_raises_is_raised() -> None:
@@ -28,7 +28,7 @@ def test_what_it_raises_is_raised() -> None:
         raise FemstructError("picture", got="a wall", expected="a window")
 
     with pytest.raises(FemstructError, match="picture: got a wall"):
-        drawn_beside(fails)()
+        draw_in_process(fails)()
 
 
 def test_a_crash_is_answered_by_the_next_way(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -39,13 +39,13 @@ def test_a_crash_is_answered_by_the_next_way(monkeypatch: pytest.MonkeyPatch) ->
             os.kill(os.getpid(), signal.SIGKILL)
         return os.environ["FEMSTRUCT_OPENGL_WINDOW"]
 
-    assert drawn_beside(crashes_with_the_first)() == WAYS[1]
+    assert draw_in_process(crashes_with_the_first)() == WAYS[1]
     assert "FEMSTRUCT_OPENGL_WINDOW" not in os.environ
 
 
 def test_after_the_last_way_it_says_what_to_install() -> None:
     with pytest.raises(NoOpenGL, match="libegl1"):
-        drawn_beside(lambda: os.kill(os.getpid(), signal.SIGKILL))()
+        draw_in_process(lambda: os.kill(os.getpid(), signal.SIGKILL))()
     assert "libegl1" in LEFT_OUT
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from acoustics.levels.bands import ended
+from acoustics.levels.bands import truncate_response
 from acoustics.levels.sound_levels import level_spectrum, response_levels
 from acoustics.receivers import Receiver
 from acoustics.rooms.box_harmonic import PressureMap
@@ -21,10 +21,10 @@ from femstruct.modal.closed_form import given_modes
 from femstruct.study.asked import RoomPlan, TimePlan
 from femstruct.study.recorded import Channel
 from femstruct.view.console import scaled
-from femstruct.view.drawing import case_colours, case_lines, new_figure, save, thinned
+from femstruct.view.drawing import case_colours, case_lines, new_figure, save, thin_history
 from femstruct.view.histories import contact_forces, energy, history, spectrum, travels
 from femstruct.view.plots import drawings, figures, plot_all
-from femstruct.view.sound_figures import draw_map, heard_peaks, line_level, lines_apart, pressure_maps
+from femstruct.view.sound_figures import draw_map, line_level, line_spacing, pressure_maps, receiver_peaks
 from femstruct.view.spectra import frequency_response, sound
 from femstruct.workflow.case_comparison import Spectra, compare
 
@@ -172,12 +172,12 @@ def test_spectrum_peaks_stand_on_the_mode_lines(result):
     loudest = x[np.argmax(y)]
     # the made-up pressure is loudest in its highest mode, 448.3 Hz; lines are 4 Hz apart
     assert loudest == pytest.approx(448.3, abs=4.0)
-    name, frequency = list(heard_peaks(result, "box").items())[-1]
+    name, frequency = list(receiver_peaks(result, "box").items())[-1]
     assert frequency == pytest.approx(448.3, abs=4.0)
     assert name.startswith("mode ")
     case = result.cases["without damper"]
     short = replace(case, basis=replace(case.basis, complete_below_hz=frequency - 1.0))
-    below = heard_peaks(replace(result, cases={**result.cases, "without damper": short}), "box")
+    below = receiver_peaks(replace(result, cases={**result.cases, "without damper": short}), "box")
     assert max(below.values(), default=0.0) < frequency - 1.0  # above, the modes are not complete
 
 
@@ -289,14 +289,14 @@ def test_sound_ends_with_the_modes_of_its_room(result, monkeypatch):
     monkeypatch.setattr(RoomPlan, "complete_below_hz", 200.0)
     cases = {}
     for name, case in result.cases.items():
-        heard = ended(case.rooms["box"], 200.0)
+        heard = truncate_response(case.rooms["box"], 200.0)
         levels = {f"box.{one}": value for one, value in response_levels(heard, case.rooms["box"]).items()}
         cases[name] = replace(case, rooms={"box": heard}, levels=levels)
     result = replace(result, cases=cases)
     above, below = sound(result, "box.mic").axes
     assert above.get_xlim()[1] == 200.0
     assert below.get_xticklabels()[-1].get_text() == "160"  # 200 Hz goes up to 224
-    assert max(heard_peaks(result, "box").values(), default=0.0) <= 200.0
+    assert max(receiver_peaks(result, "box").values(), default=0.0) <= 200.0
     levels = compare("without damper", result.cases, Spectra()).cases[BESIDE].modes_db
     basis = result.cases["without damper"].basis
     assert all(basis.frequency_hz[mode - 1] <= 200.0 for mode in levels["box.mic pressure"])
@@ -416,7 +416,7 @@ def test_a_map_states_the_levels_of_the_spectrum(result):
     """A line has one level, in the map as in the picture of the spectrum."""
     heard = result.cases["without damper"].rooms["box"]
     f, level = level_spectrum(heard.p[0], heard.dt)
-    told = line_level(np.abs(heard.spectrum[0]), lines_apart(heard))
+    told = line_level(np.abs(heard.spectrum[0]), line_spacing(heard))
     np.testing.assert_allclose(heard.frequency_hz[1:-1], f[1:-1], rtol=1e-12)  # rounding
     loud = level[1:-1] > level.max() - 120.0  # of what is less, rounding is a part
     np.testing.assert_allclose(told[1:-1][loud], level[1:-1][loud], atol=1e-6)  # dB, rounding
@@ -428,7 +428,7 @@ def test_units_are_scaled_and_extremes_kept():
     assert scaled("N", 1.6e7) == (pytest.approx(1e-6), "MN")
     assert scaled("rad/s", 3.0) == (1.0, "rad/s")
     y = np.random.default_rng(1).standard_normal(100_000)
-    t, thin = thinned(np.arange(100_000.0), y)
+    t, thin = thin_history(np.arange(100_000.0), y)
     assert len(t) < 3200 and thin.max() == y.max() and thin.min() == y.min()
     assert (np.diff(t) > 0).all() or (np.diff(t) >= 0).all()
 

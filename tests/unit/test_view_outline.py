@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import femstruct.view.model_scene as scene
-from femstruct.view.model_scene import CHARACTER, VIEW, Label, apart, outline
+from femstruct.view.model_scene import CHARACTER, VIEW, Label, outline, separate_labels
 from femstruct.workflow.run import write_all
 
 BY_HAND = runpy.run_path(str(Path(__file__).parents[1] / "data" / "study_by_hand.py"))
@@ -35,7 +35,9 @@ def test_names_cover_no_other() -> None:
     """A letter is as wide and high as the drawing's are: 10 names at one place and beside it are all readable."""
     places = [np.array([0.01 * (number % 3), 0.0, 0.02 * (number % 2)]) for number in range(10)]
     low, high = np.zeros(3), np.ones(3)
-    labels = apart([Label(f"receiver {number}", place, "red") for number, place in enumerate(places)], low, high)
+    labels = separate_labels(
+        [Label(f"receiver {number}", place, "red") for number, place in enumerate(places)], low, high
+    )
     wide = np.sqrt(2.0)  # of the unit cube, seen isometrically; it is 2 sqrt(2 / 3) high
     letter = np.array(CHARACTER) * max(wide, 2.0 * np.sqrt(2.0 / 3.0))
     at = np.array([VIEW @ label.place for label in labels])

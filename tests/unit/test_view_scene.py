@@ -26,10 +26,10 @@ from femstruct.view.model_scene import (
     Label,
     NoOpenGL,
     _resting,
-    apart,
-    merged,
+    merge_labels,
     picture_model,
     runs,
+    separate_labels,
     shapes_all,
 )
 
@@ -91,7 +91,7 @@ def test_a_picture_makes_no_folder(tmp_path):
 def test_names_of_one_place_are_one_label():
     at, near, far = np.array([0.1, 0.2, 0.0]), np.array([0.1, 0.2, 1e-9]), np.array([0.3, 0.2, 0.0])
     given = [Label("foot", at, POINT), Label("tip", far, POINT), Label("clamp", near, SUPPORT), Label("foot", at, MASS)]
-    made = merged(given, near=1e-6)
+    made = merge_labels(given, near=1e-6)
     assert [(label.name, label.colour) for label in made] == [("foot, clamp", SUPPORT), ("tip", POINT)]
 
 
@@ -99,7 +99,7 @@ def test_names_give_way_up_and_down_and_lists_have_one():
     """Names at one place stood in a tower as high as there are names."""
     low, high, at = np.zeros(3), np.full(3, 2.0), np.ones(3)
     names = [Label(name, at, POINT) for name in ("pump", "motor", "seat", "tip", "anvil")]
-    moved = np.array([VIEW[1] @ (label.place - at) for label in apart(names, low, high)])
+    moved = np.array([VIEW[1] @ (label.place - at) for label in separate_labels(names, low, high)])
     assert moved[0] == 0.0 and (moved > 0).sum() == (moved < 0).sum() == 2
     assert np.diff(np.sort(moved)).min() > 0.0 and np.abs(moved).max() < 3.0 * np.diff(np.sort(moved)).min()
     feet = [Label(f"feet.{i}", at + 0.02 * (i - 1) * np.array([1.0, -1.0, 0.0]), POINT) for i in range(1, 6)]

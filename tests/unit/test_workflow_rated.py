@@ -14,7 +14,7 @@ from femstruct.language.cases import read_study
 from femstruct.modal.closed_form import given_modes
 from femstruct.study.study import Study
 from femstruct.workflow.impact_findings import source_findings
-from femstruct.workflow.rated_rooms import overlap_findings, rated_findings, running
+from femstruct.workflow.rated_rooms import averaging_window, overlap_findings, rated_findings
 from femstruct.workflow.run import run_study, without_rooms
 
 MODES = given_modes((5000.0,), (0.01,), {"p": (1.0,)})[0]
@@ -49,7 +49,7 @@ def study(folder: Path, count: int, length: str, t60: str = "0.5 s") -> Study:
     ],
 )
 def test_whole_turns_of_the_later_half_are_averaged(tmp_path: Path, count: int, length: str, window) -> None:
-    assert running(study(tmp_path, count, length)) == pytest.approx(window)
+    assert averaging_window(study(tmp_path, count, length)) == pytest.approx(window)
 
 
 @pytest.mark.parametrize(
