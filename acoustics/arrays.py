@@ -18,12 +18,20 @@ Array = TypeVar("Array", Floats, Complexes)
 def frozen(name: str, values: ArrayLike, shape: tuple[int | None, ...], *, blanks: bool = False) -> Floats:
     """Read-only float64 array of `values`; None in `shape` accepts any length.
 
-    blanks : whether nan may stand where a value is not known.
-
     Copies, unless the array is read-only down to the memory it looks at (then nobody else can change it).
 
-    Raises AcousticsError when the shape is another or a value is not finite.
+    Parameters
+    ----------
+    blanks : bool
+        Whether nan may stand where a value is not known.
 
+    Raises
+    ------
+    AcousticsError
+        When the shape is another or a value is not finite.
+
+    Examples
+    --------
     >>> frozen("size", [1, 2], (2,)).flags.writeable
     False
     """

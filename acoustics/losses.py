@@ -74,10 +74,15 @@ class Losses:
 def losses_from_beta(beta: float, frequency_hz: float, form: str = "causal") -> Losses:
     """Losses with the damping ratio `beta` [-] at `frequency_hz` [Hz].
 
-    form : ``causal``: Kelvin-Voigt air with tau = 2 beta / omega_ref, so the frequency matters much: take the first
-        mode of the room. ``source``: the same beta at all frequencies; the frequency has no effect on it and is only
+    Parameters
+    ----------
+    form : str
+        ``causal``: Kelvin-Voigt air with tau = 2 beta / omega_ref, so the frequency matters much: take the first mode
+        of the room. ``source``: the same beta at all frequencies; the frequency has no effect on it and is only
         checked.
 
+    Examples
+    --------
     >>> losses = losses_from_beta(0.0116, 293)
     >>> [round(modal_damping_ratio(losses, f), 4) for f in (19.9, 293, 1700)]
     [0.0008, 0.0116, 0.0673]
@@ -146,12 +151,17 @@ def losses_from_t60_bands(t60_s: Mapping[float, float]) -> Losses:
 def single_modes_hz(t60_s: float, volume: float) -> float:
     """Up to where modes of a room stand alone [Hz]: above 2000 sqrt(T / V) three or more overlap.
 
-    t60_s : reverberation time [s]; volume [m^3].
+    Parameters
+    ----------
+    t60_s : float
+        Reverberation time [s]; volume [m^3].
 
     References
     ----------
     M. R. Schroeder, J. Acoust. Soc. Am. 99, 3240 (1996), doi:10.1121/1.414868.
 
+    Examples
+    --------
     >>> single_modes_hz(0.5, 50.0)
     200.0
     """

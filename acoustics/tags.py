@@ -11,11 +11,17 @@ TAGS: Final[dict[Any, str]] = {}
 
 
 def stored_as(tag: str) -> Callable[[T], T]:
-    """Decorator of a noun, above ``@dataclass``, or of a function that nouns hold: the name it has in files of results.
+    """Decorator of a noun, above ``@dataclass``, or of a function that nouns hold: the name it has in files of
+    results.
 
-    tag : words of the field and a version, "sound levels/1". It stays when the class or its module gets another name. A
-    field that is added needs a default; a field with another meaning makes a new version.
+    Parameters
+    ----------
+    tag : str
+        Words of the field and a version, "sound levels/1". It stays when the class or its module gets another name. A
+        field that is added needs a default; a field with another meaning makes a new version.
 
+    Examples
+    --------
     >>> from acoustics.receivers import Receiver
     >>> TAGS[Receiver]
     'receiver/1'

@@ -91,11 +91,20 @@ def checked(group: str, **expected: str) -> Callable[[type[T]], type[T]]:
     field is annotated with. Fields of which only one or all together mean something stand in `one_of`,
     `at_most_one_of` and `only_with` of the class, as the keys of a mapping do (`femstruct.yaml.spec.Spec`).
 
-    group : of the noun's name in messages; "{word} law" is followed by the field alone. expected : of fields whose
-    annotation does not say all; {value} in it is what was got.
+    Parameters
+    ----------
+    group : str
+        Of the noun's name in messages; "{word} law" is followed by the field alone.
+    expected : str
+        Of fields whose annotation does not say all; {value} in it is what was got.
 
-    Raises InputError, as do all nouns: the field, what was got, what was expected.
+    Raises
+    ------
+    InputError
+        As do all nouns: the field, what was got, what was expected.
 
+    Examples
+    --------
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True)
     ... @checked("parts")
@@ -130,8 +139,18 @@ def checked(group: str, **expected: str) -> Callable[[type[T]], type[T]]:
 def expect(where: str, value: Any, kind: Any, do: str = "") -> Any:
     """An argument of a function, compared with its annotation as `checked` compares fields; a list becomes a tuple.
 
-    do : what to write instead. Raises InputError: where, what was got, what was expected.
+    Parameters
+    ----------
+    do : str
+        What to write instead.
 
+    Raises
+    ------
+    InputError
+        Where, what was got, what was expected.
+
+    Examples
+    --------
     >>> expect("modes count", 3, int | None)
     3
     >>> expect("modes count", 2.5, int | None)
@@ -147,8 +166,13 @@ def expect(where: str, value: Any, kind: Any, do: str = "") -> Any:
 
 
 def _compare(noun: Any, group: str, expected: Mapping[str, str], beside: tuple[Any, ...]) -> list[Any]:
-    """Compare all that a noun was given. beside : what it was given and has no field for (`InitVar`), which is returned
-    as it is kept."""
+    """Compare all that a noun was given.
+
+    Parameters
+    ----------
+    beside : tuple[Any, ...]
+        What it was given and has no field for (`InitVar`), which is returned as it is kept.
+    """
     found = declared(noun.__class__)
     extra = dict(zip((name for name, one in found.items() if not one.stays), beside, strict=True))
     for name, one in found.items():

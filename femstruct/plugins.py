@@ -22,11 +22,19 @@ class Added(NamedTuple):
 def added_kinds(group: str, base: type, was: str = "") -> tuple[Added, ...]:
     """The classes that installed packages add to a group of entry points, by name.
 
-    was : a group that this one stands for as well: what it had to say, the classes declare now.
+    Parameters
+    ----------
+    was : str
+        A group that this one stands for as well: what it had to say, the classes declare now.
 
-    Raises FemstructError, with the name of the package, for one that cannot be loaded or is no complete `base`, and for
-    what is in the group that was.
+    Raises
+    ------
+    FemstructError
+        With the name of the package, for one that cannot be loaded or is no complete `base`, and for what is in the
+        group that was.
 
+    Examples
+    --------
     >>> added_kinds("femstruct.nothing", int)
     ()
     """
@@ -49,9 +57,17 @@ def added_kinds(group: str, base: type, was: str = "") -> tuple[Added, ...]:
 
 
 def with_added(own: Sequence[Any], added: Iterable[Added], words: Callable[[Any], tuple[str, ...]]) -> tuple[Any, ...]:
-    """Kinds of our own, then those that other packages add. words : what tells a kind in files.
+    """Kinds of our own, then those that other packages add.
 
-    Raises FemstructError for one of another package that has no word, or one that is taken.
+    Parameters
+    ----------
+    words : Callable[[Any], tuple[str, ...]]
+        What tells a kind in files.
+
+    Raises
+    ------
+    FemstructError
+        For one of another package that has no word, or one that is taken.
     """
     taken = {word: one for one in own for word in words(one)}
     for kind, source in added:

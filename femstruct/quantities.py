@@ -63,7 +63,13 @@ class Quantity:
         return Measured(number, dimension) if self.which else number
 
     def refuse_beyond(self, number: float, value: object, named: Dimension) -> None:
-        """Raise QuantityError for a number [SI] beyond the limits. value : as it is written."""
+        """Raise QuantityError for a number [SI] beyond the limits.
+
+        Parameters
+        ----------
+        value : object
+            As it is written.
+        """
         if self.above is not None and not number > self.above:
             if named.unit == "1" and number < 0.0 == self.above:
                 raise refuse(quote_value(value), "a positive value", f"write {-number:g}")

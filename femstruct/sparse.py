@@ -414,7 +414,10 @@ class Fronts:
     def negative(self, values: Floats, scale: Floats) -> int | None:
         """Number of negative eigenvalues of the matrix of these values.
 
-        scale [n] : size of the terms each diagonal entry is summed from. None when a pivot has lost all its digits.
+        Parameters
+        ----------
+        scale : Floats [n]
+            Size of the terms each diagonal entry is summed from. None when a pivot has lost all its digits.
         """
         total, scale = 0, scale[self._order]
         try:
@@ -496,9 +499,12 @@ class Analysis(Protocol):
     def negative(self, values: Floats, scale: Floats) -> int | None:
         """Number of negative eigenvalues; None where rounding may have decided one.
 
-        scale [n] : size of the terms each diagonal entry is summed from.
-
         Source: Sylvester's law of inertia; B. N. Parlett, The Symmetric Eigenvalue Problem, section 3.3.
+
+        Parameters
+        ----------
+        scale : Floats [n]
+            Size of the terms each diagonal entry is summed from.
         """
 
 

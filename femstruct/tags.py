@@ -14,12 +14,20 @@ OURS: Final = "femstruct"
 def stored_as(tag: str) -> Callable[[T], T]:
     """Decorator of a noun, above ``@dataclass``, or of a function that nouns hold: the name it has in results files.
 
-    tag : words of the field and a version, "contact history/1". It stays when the class or its module gets another
-    name. A field that is added needs a default, and files without it are read; a field that is left out is passed over;
-    a field with another meaning makes a new version. Another package begins with its name: "my_package: strut/1".
+    Parameters
+    ----------
+    tag : str
+        Words of the field and a version, "contact history/1". It stays when the class or its module gets another name.
+        A field that is added needs a default, and files without it are read; a field that is left out is passed over; a
+        field with another meaning makes a new version. Another package begins with its name: "my_package: strut/1".
 
-    Raises ValueError: a tag that is no such words, or that another class has.
+    Raises
+    ------
+    ValueError
+        A tag that is no such words, or that another class has.
 
+    Examples
+    --------
     >>> from femstruct.errors import Finding
     >>> TAGS[Finding]
     'finding/1'

@@ -164,16 +164,24 @@ _LONGEST: Final = 80  # characters; no quantity needs more
 def quantity(value: object, dimension: str) -> float:
     """Value in SI units of a text such as ``5 mm``, or of a plain number, which is taken to be in SI units.
 
-    dimension : a key of `DIMENSIONS`, such as "length" or "stiffness/area".
+    Parameters
+    ----------
+    dimension : str
+        A key of `DIMENSIONS`, such as "length" or "stiffness/area".
 
-    Raises QuantityError: another dimension, an unknown unit (with the nearest known one), a decimal comma, rad/s or
-    rpm for a frequency (with the value in Hz), nan, infinity, a boolean, anything that is not a quantity.
+    Raises
+    ------
+    QuantityError
+        Another dimension, an unknown unit (with the nearest known one), a decimal comma, rad/s or rpm for a frequency
+        (with the value in Hz), nan, infinity, a boolean, anything that is not a quantity.
 
     Notes
     -----
     The number is scaled in decimal arithmetic: 70 % is 0.7, not 0.7000000000000001. Of an acceleration g is 9.80665
     m/s^2, of a mass a gram.
 
+    Examples
+    --------
     >>> quantity("5.9 GPa", "pressure"), quantity("40 Ns/m", "damping"), quantity(7850, "density")
     (5900000000.0, 40.0, 7850.0)
     >>> quantity("2 g", "acceleration"), quantity("2 g", "mass")
@@ -276,8 +284,13 @@ def _known_unit(text: str) -> Unit | None:
 
 
 def _unit(text: str, shown: str, expected: str, example: str, dimensions: Mapping[str, Dimension]) -> Unit:
-    """Factor and exponents of a unit such as ``N*s/m``, ``kg/m^3``, ``m2`` or ``Ns/m``. dimensions : it should have one
-    of these, for what to do about an unknown one."""
+    """Factor and exponents of a unit such as ``N*s/m``, ``kg/m^3``, ``m2`` or ``Ns/m``.
+
+    Parameters
+    ----------
+    dimensions : Mapping[str, Dimension]
+        It should have one of these, for what to do about an unknown one.
+    """
     factor, total = Decimal(1), powers()
     divided = False
     for sign, token in re.findall(r"([*·/ ]?)([^*·/ ]*)", re.sub(r"\s*([*·/ ])\s*", r"\1", _protect(text)))[:-1]:
@@ -327,7 +340,13 @@ def _symbol(symbol: str) -> tuple[Unit, ...]:
 
 def _instead(symbol: str, alone: bool, dimensions: Mapping[str, Dimension]) -> str:
     """What to write for an unknown unit: the same letters as capitals or small, a near one of the same dimension, or
-    the known ones of that dimension. alone : whether it is the whole unit."""
+    the known ones of that dimension.
+
+    Parameters
+    ----------
+    alone : bool
+        Whether it is the whole unit.
+    """
     exponents = [one.exponents for one in dimensions.values()]
     fitting = [name for name, unit in UNITS.items() if unit.exponents in exponents]
     folded = {name.lower(): name for name in (UNITS if not alone else fitting)}

@@ -162,9 +162,17 @@ class SoundField(ABC):
     def accept(self, wall: str, points: Floats, normals: Floats) -> None:
         """Refuse a surface that the field cannot take there.
 
-        points [p, 3] : of the surface, and corners of its outline. normals [p, 3] : unit vectors into the field.
+        Parameters
+        ----------
+        points : Floats [p, 3]
+            Of the surface, and corners of its outline.
+        normals : Floats [p, 3]
+            Unit vectors into the field.
 
-        Raises AcousticsError as `on_wall` does, for points that are not on the wall, and for normals out of the field.
+        Raises
+        ------
+        AcousticsError
+            As `on_wall` does, for points that are not on the wall, and for normals out of the field.
         """
 
     @abstractmethod
@@ -179,10 +187,17 @@ class SoundField(ABC):
     ) -> list[RoomResponse]:
         """Pressure at the receivers for each of several motions of the same surfaces, summed over the surfaces.
 
-        motions : of each, the velocities of all surfaces; they differ in their rates. up_to_hz : the highest frequency
-        of interest; what lies above it may be left out.
+        Parameters
+        ----------
+        motions : Sequence[Sequence[SurfaceVelocity]]
+            Of each, the velocities of all surfaces; they differ in their rates.
+        up_to_hz : float
+            The highest frequency of interest; what lies above it may be left out.
 
-        Returns RoomResponse of each; its findings are reasons to trust it less.
+        Returns
+        -------
+        list[RoomResponse]
+            RoomResponse of each; its findings are reasons to trust it less.
         """
 
     def pressures_to_keep(
@@ -202,7 +217,15 @@ class SoundField(ABC):
         self, surfaces: Sequence[SurfaceShapes], source: Receiver, frequency_hz: Floats
     ) -> tuple[Complexes, tuple[Advice, ...]]:
         """Integrals [k, nf] over surfaces that are held, of a point source's pressure per volume velocity [Pa s/m^3],
-        times their shapes, in common coordinates; and advice. source : its place. frequency_hz [nf] : above 0 [Hz]."""
+        times their shapes, in common coordinates; and advice.
+
+        Parameters
+        ----------
+        source : Receiver
+            Its place.
+        frequency_hz : Floats [nf]
+            Above 0 [Hz].
+        """
 
     def spectrum(self, surfaces: Sequence[SurfaceVelocity], frequency_hz: Floats, points: Floats) -> Complexes:
         """Fourier transform of the pressure [p, nf] [Pa/Hz] at points [p, 3]: of the record of the velocity, times the
@@ -230,14 +253,26 @@ class SoundField(ABC):
     def coupled_air(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> CoupledAir:
         """Its air as a mechanical system joined to the shapes of surfaces, which move in the same coordinates.
 
-        up_to_hz : modes of the air up to it are kept [Hz]; the others act as added mass.
+        Parameters
+        ----------
+        up_to_hz : float
+            Modes of the air up to it are kept [Hz]; the others act as added mass.
 
-        Raises AcousticsError where the kind has no two-way coupling.
+        Raises
+        ------
+        AcousticsError
+            Where the kind has no two-way coupling.
         """
         raise AcousticsError("coupling", got=f"two-way with {self.word}", expected="one-way")
 
     def coupling_advice(self, first_hz: float) -> tuple[Advice, ...]:
-        """Advice on what `coupled_air` leaves out. first_hz : the lowest mode of structure and air, 0 for none [Hz]."""
+        """Advice on what `coupled_air` leaves out.
+
+        Parameters
+        ----------
+        first_hz : float
+            The lowest mode of structure and air, 0 for none [Hz].
+        """
         return ()
 
     def modes_on(self, surfaces: Sequence[SurfaceShapes], up_to_hz: float) -> ModesOnSurface:
@@ -297,7 +332,10 @@ def described_modes(losses: Losses, frequency_hz: Floats, walls: Floats | None =
     """What is said in tables of a closed room's modes: the first three, and how they are damped; where it is one for
     all of them, their reverberation time.
 
-    walls : rates at which walls damp the amplitudes of the modes [1/s], beside the losses.
+    Parameters
+    ----------
+    walls : Floats | None
+        Rates at which walls damp the amplitudes of the modes [1/s], beside the losses.
     """
     first = [float(f) for f in frequency_hz[:3]]
     ratios = {f"{f:g}": modal_damping_ratio(losses, f) for f in (LOW_HZ, *first) if f > 0}
@@ -311,9 +349,13 @@ def described_modes(losses: Losses, frequency_hz: Floats, walls: Floats | None =
 def air_stiffness_ratio(room: SoundField, area: float | Floats, stiffness: float | Floats) -> float | Floats:
     """Stiffness rho c^2 area^2 / V of the sealed room's air over that of the structure which moves its ceiling [-].
 
-    area : area of the moving surface [m^2], or of a mode: the integral of its mass-normalised shape over the surface
+    Parameters
+    ----------
+    area : float | Floats
+        Area of the moving surface [m^2], or of a mode: the integral of its mass-normalised shape over the surface
         [m^2/sqrt(kg)].
-    stiffness : stiffness of the structure under it [N/m], or of a mode: omega^2 [rad^2/s^2].
+    stiffness : float | Floats
+        Stiffness of the structure under it [N/m], or of a mode: omega^2 [rad^2/s^2].
 
     Notes
     -----
@@ -324,6 +366,8 @@ def air_stiffness_ratio(room: SoundField, area: float | Floats, stiffness: float
     ----------
     F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 7.4 (uniform pressure in an enclosure).
 
+    Examples
+    --------
     >>> from acoustics.fields.rectangular import Room
     >>> box = Room([0.58, 0.47, 0.1], Air(340, 1.29))
     >>> round(air_stiffness_ratio(box, box.ceiling_area, 4.641e5), 3)

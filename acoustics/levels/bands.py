@@ -60,10 +60,15 @@ _NEAREST: Final = complex(-sin(pi / 8), cos(pi / 8))  # of the poles of the low-
 def third_octave_bands(sampling_hz: float, lowest_hz: float = LOWEST_HZ) -> dict[float, float]:
     """{nominal: exact} centre frequencies [Hz] from 25 Hz up to the last whose upper edge is below 0.47 sampling_hz.
 
-    lowest_hz : nominal centre of the first band.
-
     IEC 61260-1, 5.2 to 5.5: exact centres 1000 x 10^(n/10) Hz.
 
+    Parameters
+    ----------
+    lowest_hz : float
+        Nominal centre of the first band.
+
+    Examples
+    --------
     >>> list(third_octave_bands(48000))[:4], list(third_octave_bands(48000))[-1]
     ([25.0, 31.5, 40.0, 50.0], 20000.0)
     """
@@ -279,7 +284,10 @@ def band_passes(
     """Filters of all bands up to a frequency {nominal centre [Hz]: filter} for records of nt samples, of one length of
     transform; kept for the next record of that kind.
 
-    thinned : whether as few samples are kept as the band needs, else all.
+    Parameters
+    ----------
+    thinned : bool
+        Whether as few samples are kept as the band needs, else all.
     """
     every = octave_bands(sampling_hz) if fraction == 1 else third_octave_bands(sampling_hz)
     centres = {nominal: centre for nominal, centre in every.items() if passes_below(centre, end_hz, fraction)}

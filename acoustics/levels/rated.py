@@ -77,7 +77,12 @@ class Ensemble:
         """Single numbers before rounding over the members {symbol: interval}, of those that are known and that low
         bands change: where others decide in every member, an interval would say nothing of rooms and places.
 
-        bands_hz [b] : nominal centres [Hz]. others_db [b] : levels in the room of the bands that are not low [dB].
+        Parameters
+        ----------
+        bands_hz : Sequence[float] [b]
+            Nominal centres [Hz].
+        others_db : Floats [b]
+            Levels in the room of the bands that are not low [dB].
         """
         members, found = np.where(np.isnan(self.members_db), others_db, self.members_db), {}
         for one in numbers:
@@ -337,16 +342,25 @@ def rate_room(
 ) -> RatedRoom:
     """Impact sound levels of a room from those of every drop at every receiver, by the standards asked for.
 
-    levels_db : by drop and receiver, {nominal centre [Hz]: [dB]}, in the bands of the standards, third octaves of ISO,
-        octaves of JIS and KS: `Levels.bands_db` or `Levels.octaves_db` of heavy blows, `equivalent_levels` of a tapping
-        machine; bands beyond those rated are not looked at. Octaves are not made of third octaves: maxima do not
-        add. nan is a level that is not known: numbers that need it are lower bounds.
-    standards : ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2; see `acoustics.levels.standards`.
-    statistical : levels that stand where those of no drop or receiver are known. ensemble : of low bands.
+    Parameters
+    ----------
+    levels_db : Sequence[Sequence[Mapping[float, float]]]
+        By drop and receiver, {nominal centre [Hz]: [dB]}, in the bands of the standards, third octaves of ISO, octaves
+        of JIS and KS: `Levels.bands_db` or `Levels.octaves_db` of heavy blows, `equivalent_levels` of a tapping
+        machine; bands beyond those rated are not looked at. Octaves are not made of third octaves: maxima do not add.
+        nan is a level that is not known: numbers that need it are lower bounds.
+    standards : Sequence[str]
+        ISO 16283-2 and ISO 717-2, or JIS A 1419-2 and KS F 2863-2; see `acoustics.levels.standards`.
+    statistical : StatisticalBands | None
+        Levels that stand where those of no drop or receiver are known.
+    ensemble : Ensemble | None
+        Of low bands.
 
-    Raises AcousticsError: no receivers, standards that `acoustics.levels.standards.method_of` refuses, third
-    octaves for octaves, bands missing (sampled too low), a room without losses where ISO 16283-2 needs its
-    reverberation time.
+    Raises
+    ------
+    AcousticsError
+        No receivers, standards that `acoustics.levels.standards.method_of` refuses, third octaves for octaves, bands
+        missing (sampled too low), a room without losses where ISO 16283-2 needs its reverberation time.
 
     Notes
     -----
@@ -358,6 +372,8 @@ def rate_room(
     ISO 16283-2:2020 formulae 1 and 4 to 6, ISO 717-2:2020 clause 4 and annex D; see `acoustics.levels.standards`. JIS A
     1419-2, KS F 2863-2; see `acoustics.levels.standards`.
 
+    Examples
+    --------
     Two drops heard at one place, 60 and 70 dB in every band, in a room of 50 m^3 and half a second:
 
     >>> from acoustics import Room, losses_from_t60

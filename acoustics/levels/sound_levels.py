@@ -40,16 +40,25 @@ from acoustics.tags import stored_as
 def reverberation_time(p: Floats, dt: float, *, top_db: float = -5.0, bottom_db: float = -35.0) -> float:
     """Time [s] in which the sound of a decaying history `p` [nt] [Pa] falls by 60 dB.
 
-    top_db, bottom_db : part of the decay that a line is fitted to: -5 to -35 dB is T30 of ISO 3382-1, -5 to -25 T20.
+    Parameters
+    ----------
+    top_db : float
+        Part of the decay that a line is fitted to: -5 to -35 dB is T30 of ISO 3382-1, -5 to -25 T20.
+    bottom_db : float
+        Part of the decay that a line is fitted to: -5 to -35 dB is T30 of ISO 3382-1, -5 to -25 T20.
 
-    Raises AcousticsError: a history that does not fall to 10 dB below `bottom_db`, where what is left of the record
-    would bend the line.
+    Raises
+    ------
+    AcousticsError
+        A history that does not fall to 10 dB below `bottom_db`, where what is left of the record would bend the line.
 
     Notes
     -----
     Backward integration (M. R. Schroeder, J. Acoust. Soc. Am. 37, 409 (1965), doi:10.1121/1.1909343), then a line by
     least squares through the level.
 
+    Examples
+    --------
     >>> t = np.arange(48000) / 24e3
     >>> round(reverberation_time(np.sin(2000 * t) * 10 ** (-3 * t / 0.8), 1 / 24e3), 4)
     0.8
@@ -146,7 +155,10 @@ def _gain(lines: bytes, centre_hz: float, fraction: Fraction) -> Complexes:
 def exposures(spectra: Complexes, s: Complexes, bands_hz: Mapping[float, float], fraction: Fraction = 3) -> Floats:
     """Sound exposures [n, b] [Pa^2 s] in bands {nominal: exact centre} of pressures with spectra [n, nf] [Pa s].
 
-    s : evenly spaced on the frequency axis, from 0 on.
+    Parameters
+    ----------
+    s : Complexes
+        Evenly spaced on the frequency axis, from 0 on.
     """
     step_hz = float((s[1] - s[0]).imag) / (2 * pi)
     gains = np.array([np.abs(band_gain(s, centre, fraction)) ** 2 for centre in bands_hz.values()])
@@ -156,7 +168,10 @@ def exposures(spectra: Complexes, s: Complexes, bands_hz: Mapping[float, float],
 def largest_fast(spectra: Complexes, s: Complexes, bands_hz: Mapping[float, float], fraction: Fraction = 3) -> Floats:
     """Largest Fast mean squares [n, b] [Pa^2] in bands {nominal: exact centre} of pressures of spectra [n, nf] [Pa s].
 
-    s : evenly spaced with one real part a > 0, the spectrum being that of the pressure times exp(-a t): what comes
+    Parameters
+    ----------
+    s : Complexes
+        Evenly spaced with one real part a > 0, the spectrum being that of the pressure times exp(-a t): what comes
         after the record, 1 / spacing long, then folds back to its beginning by exp(-a / spacing) smaller.
     """
     step_hz, decay = float((s[1] - s[0]).imag) / (2 * pi), float(s[0].real)
@@ -228,8 +243,11 @@ class Levels:
 def response_levels(response: RoomResponse, bands_of: RoomResponse | None = None) -> dict[str, Levels]:
     """Levels of every receiver of a room response, by name; see `sound_levels`.
 
-    bands_of : the same before it was ended at `response.complete_below_hz`: of the last bands, what their filters pass
-        from beyond is up to 0.1 dB.
+    Parameters
+    ----------
+    bands_of : RoomResponse | None
+        The same before it was ended at `response.complete_below_hz`: of the last bands, what their filters pass from
+        beyond is up to 0.1 dB.
     """
     end = response.complete_below_hz
     rows = zip(response.receivers, response.p, (bands_of or response).p, strict=True)
@@ -328,13 +346,25 @@ def _unsettled(record_s: float, centres: Mapping[float, float]) -> tuple[Advice,
 def equivalent_levels(
     p: Floats, dt: float, since_s: float = 0.0, fraction: Fraction = 3, complete_below_hz: float = inf
 ) -> dict[float, float]:
-    """Levels of the mean square in third octaves {nominal centre [Hz]: [dB re 20 uPa]} of `p` [nt] [Pa] from a time on.
+    """Levels of the mean square in third octaves {nominal centre [Hz]: [dB re 20 uPa]} of `p` [nt] [Pa] from a time
+    on.
 
-    since_s : what comes before [s] runs through the filters and is not averaged: they start at rest. fraction : 3, or 1
-        for octaves. complete_below_hz : bands whose filters pass more are nan.
+    Parameters
+    ----------
+    since_s : float
+        What comes before [s] runs through the filters and is not averaged: they start at rest.
+    fraction : Fraction
+        3, or 1 for octaves.
+    complete_below_hz : float
+        Bands whose filters pass more are nan.
 
-    Raises AcousticsError: a record that ends before.
+    Raises
+    ------
+    AcousticsError
+        A record that ends before.
 
+    Examples
+    --------
     A tone of 94 dB, from the second half second on:
 
     >>> import numpy as np

@@ -171,12 +171,20 @@ def energy_average(levels_db: ArrayLike, axis: int = 0) -> Floats:
 
 
 def weighted_impact_level(levels_db: Mapping[float, float], *, step_db: float = 1.0) -> ImpactRating:
-    """Weighted impact sound pressure level and C_I of levels {nominal centre [Hz]: level [dB]}, ISO 717-2, 4.3 and A.2.
+    """Weighted impact sound pressure level and C_I of levels {nominal centre [Hz]: level [dB]}, ISO 717-2, 4.3 and
+    A.2.
 
-    levels_db : the 16 third octaves 100 to 3150 Hz, or the five octaves 125 to 2000 Hz; others are not looked at.
-    step_db : 1, or 0.1 for statements of uncertainty; results are in steps of it.
+    Parameters
+    ----------
+    levels_db : Mapping[float, float]
+        The 16 third octaves 100 to 3150 Hz, or the five octaves 125 to 2000 Hz; others are not looked at.
+    step_db : float
+        1, or 0.1 for statements of uncertainty; results are in steps of it.
 
-    Raises AcousticsError: bands missing, a step other than these two.
+    Raises
+    ------
+    AcousticsError
+        Bands missing, a step other than these two.
 
     Notes
     -----
@@ -184,6 +192,8 @@ def weighted_impact_level(levels_db: Mapping[float, float], *, step_db: float = 
     as possible, but no more than 32.0 dB (octaves: 10.0 dB). C_I = L_sum - 15 - L_w, with the energy sum of 100 to
     2500 Hz (octaves: 125 to 2000 Hz).
 
+    Examples
+    --------
     The bare floor of ISO 717-2 table C.1:
 
     >>> bare = [62.1, 63.2, 63.5, 66.2, 68.5, 70.0, 71.7, 73.1, 73.8, 73.5, 73.8, 73.3, 73.1, 73.0, 72.4, 71.2]
@@ -224,11 +234,19 @@ def equal_parts(rating_db: float) -> dict[float, float]:
 def heavy_impact_level(levels_db: Mapping[float, float]) -> HeavyImpactRating:
     """L_iA,Fmax of the rubber ball from maximum Fast levels {nominal centre [Hz]: L_i,Fmax [dB]}, ISO 717-2 annex D.
 
-    levels_db : the 12 third octaves 50 to 630 Hz or, where one of them is missing, the octaves 63 to 500 Hz; others
-        are not looked at. Third octaves are never made octaves first.
+    Parameters
+    ----------
+    levels_db : Mapping[float, float]
+        The 12 third octaves 50 to 630 Hz or, where one of them is missing, the octaves 63 to 500 Hz; others are not
+        looked at. Third octaves are never made octaves first.
 
-    Raises AcousticsError: bands missing.
+    Raises
+    ------
+    AcousticsError
+        Bands missing.
 
+    Examples
+    --------
     The field measurement of ISO 717-2 table D.4:
 
     >>> heavy_impact_level({63.0: 65.3, 125.0: 64.5, 250.0: 58.0, 500.0: 55.8})
@@ -246,15 +264,27 @@ def standardised_maximum_level(
 ) -> dict[float, float]:
     """L'_i,Fmax,V,T {nominal centre [Hz]: [dB]} of the rubber ball, ISO 16283-2:2020 formulas 4 to 6.
 
-    levels_db : L_i,Fmax. volume : of the receiving room [m^3]. t60_s : its reverberation times [s] in the same bands.
+    Parameters
+    ----------
+    levels_db : Mapping[float, float]
+        L_i,Fmax.
+    volume : float
+        Of the receiving room [m^3].
+    t60_s : Mapping[float, float]
+        Its reverberation times [s] in the same bands.
 
-    Raises AcousticsError: a volume or time that is not positive, a band without a time.
+    Raises
+    ------
+    AcousticsError
+        A volume or time that is not positive, a band without a time.
 
     Notes
     -----
     L_i,Fmax + 10 lg(V / 50 m^3) - 10 lg(g(C) / g(C0)), C = T / 1.7275 s, C0 = 0.5 / 1.7275. g is the largest Fast mean
     square of a decay with the reverberation time T, over its first value; see `fast_of_decay`.
 
+    Examples
+    --------
     >>> standardised_maximum_level({63.0: 70.0}, 25.0, {63.0: 0.5})[63.0].__round__(2)
     66.99
     """
@@ -406,19 +436,29 @@ class InverseALevel:
 
 
 def impact_grade(levels_db: Mapping[float, float], octaves_hz: Sequence[float] = HEAVY_OCTAVES) -> ImpactGrade:
-    """Grade by JIS A 1419-2 of octave levels {nominal centre [Hz]: [dB]}: a floor of grade 55 is better than one of 60.
+    """Grade by JIS A 1419-2 of octave levels {nominal centre [Hz]: [dB]}: a floor of grade 55 is better than one of
+    60.
 
-    levels_db : average of the places of the blow, see `mean_of_places`: largest Fast levels of a bang machine, levels
-        of the mean square of a tapping machine. octaves_hz : `HEAVY_OCTAVES` or `LIGHT_OCTAVES`; others are not
-        looked at.
+    Parameters
+    ----------
+    levels_db : Mapping[float, float]
+        Average of the places of the blow, see `mean_of_places`: largest Fast levels of a bang machine, levels of the
+        mean square of a tapping machine.
+    octaves_hz : Sequence[float]
+        `HEAVY_OCTAVES` or `LIGHT_OCTAVES`; others are not looked at.
 
-    Raises AcousticsError: octaves missing.
+    Raises
+    ------
+    AcousticsError
+        Octaves missing.
 
     Notes
     -----
     Levels are rounded to 0.1 dB and then to whole decibels. The L number is the largest (level - curve of grade 50) +
     50. The grade is the lowest multiple of 5 whose curve no octave exceeds by more than 2 dB.
 
+    Examples
+    --------
     A floor that is loudest in the octave at 63 Hz, 77.6 - 73 above grade 50, rounded:
 
     >>> impact_grade({63.0: 77.6, 125.0: 66.0, 250.0: 56.2, 500.0: 44.0})
@@ -459,16 +499,26 @@ def mean_of_places(levels_db: ArrayLike) -> Floats:
 def inverse_a_level(levels_db: Mapping[float, float], *, step_db: float = 1.0) -> InverseALevel:
     """Inverse A-weighted level by KS F 2863-2 of largest Fast levels {nominal octave [Hz]: [dB]} of a bang machine.
 
-    levels_db : average of the octaves 63 to 500 Hz: arithmetic over the places of the blow, of the energy over
-        microphones. Others are not looked at. step_db : 1, or 0.1 for comparisons that are finer than the standard's.
+    Parameters
+    ----------
+    levels_db : Mapping[float, float]
+        Average of the octaves 63 to 500 Hz: arithmetic over the places of the blow, of the energy over microphones.
+        Others are not looked at.
+    step_db : float
+        1, or 0.1 for comparisons that are finer than the standard's.
 
-    Raises AcousticsError: octaves missing, a step other than these two.
+    Raises
+    ------
+    AcousticsError
+        Octaves missing, a step other than these two.
 
     Notes
     -----
     Levels are rounded to 0.1 dB. The curve is shifted in steps to the lowest that the levels exceed by no more than
     8.0 dB in sum.
 
+    Examples
+    --------
     >>> inverse_a_level({63.0: 83.0, 125.0: 73.0, 250.0: 66.0, 500.0: 60.0})
     InverseALevel(level_db=58.0, excess_db=8.0, deciding_hz=63.0)
     """
@@ -587,10 +637,18 @@ class Method:
 def method_of(standards: Sequence[str], blows: Blows = "heavy") -> Method:
     """How the standards asked for rate blows.
 
-    standards : of `STANDARDS`, those of ISO or JIS A 1419-2 and KS F 2863-2.
+    Parameters
+    ----------
+    standards : Sequence[str]
+        Of `STANDARDS`, those of ISO or JIS A 1419-2 and KS F 2863-2.
 
-    Raises AcousticsError: none, another, both kinds in one room, blows that one of them does not rate.
+    Raises
+    ------
+    AcousticsError
+        None, another, both kinds in one room, blows that one of them does not rate.
 
+    Examples
+    --------
     >>> method_of(["KS F 2863-2", "JIS A 1419-2"]).standards
     ('JIS A 1419-2', 'KS F 2863-2')
     """

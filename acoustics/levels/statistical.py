@@ -89,7 +89,10 @@ class InfinitePlate:
     def waves(self, frequency_hz: Floats, patch_m: float = 0.0) -> Waves:
         """Its bending waves at frequencies [nf] [Hz], and what a force drives of them.
 
-        patch_m : radius of a disc over which the force is spread evenly [m]; 0 for a point.
+        Parameters
+        ----------
+        patch_m : float
+            Radius of a disc over which the force is spread evenly [m]; 0 for a point.
         """
         frequency = frozen("frequency", frequency_hz, (None,))
         angle: Floats = np.asarray((np.arange(ANGLES) + 0.5) * (pi / 2 / ANGLES), dtype=np.float64)
@@ -201,8 +204,12 @@ _DIRECTIONS: Final = (16, 0.35)  # of waves in a quarter turn: at least, and for
 def diffuse_radiation(waves: Waves, frequency_hz: Floats, sides: tuple[float, float], air: Air) -> Floats:
     """Radiation efficiency [nf] of bending waves of all directions on a rectangle, smooth through coincidence.
 
-    waves : at the frequencies [nf] [Hz]; each direction has the share of the motion that its mobility has. sides :
-    of the rectangle, along the plate's x and y [m].
+    Parameters
+    ----------
+    waves : Waves
+        At the frequencies [nf] [Hz]; each direction has the share of the motion that its mobility has.
+    sides : tuple[float, float]
+        Of the rectangle, along the plate's x and y [m].
 
     Notes
     -----
@@ -217,6 +224,8 @@ def diffuse_radiation(waves: Waves, frequency_hz: Floats, sides: tuple[float, fl
     ----------
     X. Yu, C. Hopkins, JASA Express Lett. 1, 062801 (2021), of isotropic plates: one integral over r.
 
+    Examples
+    --------
     A concrete slab of 5 x 4 m above and below its critical frequency of 98 Hz:
 
     >>> from acoustics.levels.statistical import isotropic_plate
@@ -373,11 +382,19 @@ class RadiatingPlate:
 def steady_levels(plate: RadiatingPlate, room: DiffuseRoom, force_squared: Mapping[float, float]) -> dict[float, float]:
     """Levels L_i {nominal third octave [Hz]: [dB]} of mean-square forces in the same bands {..: [N^2]}.
 
-    force_squared : of a force that acts on the plate, as of a tapping machine whose blows are uncorrelated,
-        `blow_forces`, or a measured blocked force.
+    Parameters
+    ----------
+    force_squared : Mapping[float, float]
+        Of a force that acts on the plate, as of a tapping machine whose blows are uncorrelated, `blow_forces`, or a
+        measured blocked force.
 
-    Raises AcousticsError: bands that are no third octaves, a plate without losses.
+    Raises
+    ------
+    AcousticsError
+        Bands that are no third octaves, a plate without losses.
 
+    Examples
+    --------
     LAB of our studies, a tapping machine of 0.866 N s a blow on 140 mm of concrete:
 
     >>> from acoustics.losses import losses_from_t60
@@ -400,8 +417,12 @@ def largest_levels(
 ) -> dict[float, float]:
     """Largest Fast levels L_i,Fmax {nominal band [Hz]: [dB]} of a blow of force exposures {..: [N^2 s]}.
 
-    exposure : int 2 |F|^2 df over each third octave, `band_exposures`. fraction : 3, or 1 for levels of the octaves
-        whose three thirds are all given.
+    Parameters
+    ----------
+    exposure : Mapping[float, float]
+        Int 2 |F|^2 df over each third octave, `band_exposures`.
+    fraction : Fraction
+        3, or 1 for levels of the octaves whose three thirds are all given.
 
     Notes
     -----
@@ -427,11 +448,17 @@ def largest_levels(
 
 
 def band_exposures(force: Floats, dt: float, bands_hz: Mapping[float, float]) -> dict[float, float]:
-    """Force exposure int 2 |F|^2 df {nominal third octave [Hz]: [N^2 s]} of a force [nt] [N] that begins and ends at 0.
+    """Force exposure int 2 |F|^2 df {nominal third octave [Hz]: [N^2 s]} of a force [nt] [N] that begins and ends at
+    0.
 
-    bands_hz : {nominal: exact centre} [Hz]. Bands have the gain of the filters, order-4 Butterworth, which let through
-    2.6 % more of a flat spectrum than the band is wide, and of a steep one what lies beside it.
+    Parameters
+    ----------
+    bands_hz : Mapping[float, float]
+        {nominal: exact centre} [Hz]. Bands have the gain of the filters, order-4 Butterworth, which let through 2.6 %
+        more of a flat spectrum than the band is wide, and of a steep one what lies beside it.
 
+    Examples
+    --------
     A blow of 1 N s that is short beside all periods, 1.026 x 2 B:
 
     >>> blow = np.array([0.0, 1e5, 0.0])
@@ -569,7 +596,14 @@ def agreement(statistical: StatisticalBands, modal_db: Mapping[float, float]) ->
 def expected_scatter(modes: Floats, width_hz: Floats, t60_s: Floats, drops: int, receivers: int) -> Floats:
     """Standard deviation [n] [dB] to expect of bands of one floor, averaged over places of the source and receivers.
 
-    modes, width_hz, t60_s [n] : of the plate in each band, the band's width, the room's reverberation time.
+    Parameters
+    ----------
+    modes : Floats [n]
+        Of the plate in each band, the band's width, the room's reverberation time.
+    width_hz : Floats [n]
+        Of the plate in each band, the band's width, the room's reverberation time.
+    t60_s : Floats [n]
+        Of the plate in each band, the band's width, the room's reverberation time.
 
     Notes
     -----
@@ -578,6 +612,8 @@ def expected_scatter(modes: Floats, width_hz: Floats, t60_s: Floats, drops: int,
     (1969)). Seen over ensembles of rooms: 1.6 dB at 250 Hz where this has 1.7, 0.6 at 1000 Hz where it has 0.9. With a
     single mode in a band it is too small.
 
+    Examples
+    --------
     >>> one = np.ones(1)
     >>> expected_scatter(2.5 * one, 57.7 * one, 0.5 * one, 4, 4).round(1)
     array([1.7])

@@ -52,8 +52,14 @@ def time_weighted(square: Floats, dt: float, kind: TimeWeighting, every: float =
     """Mean square of `square` [nt] as a meter's needle shows it.
 
     F, S : exponential averages with 125 ms and 1 s. I : one with 35 ms, whose falls are held up to 1.5 s.
-    every : of how many samples, `dt` apart, one is given, of a square that is smooth between them.
 
+    Parameters
+    ----------
+    every : float
+        Of how many samples, `dt` apart, one is given, of a square that is smooth between them.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> burst = np.where(np.arange(4800) < 960, 1.0, 0.0)  # 20 ms at 48 kHz
     >>> [float((10 * np.log10(time_weighted(burst, 1 / 48e3, kind).max())).round(1)) for kind in ("F", "S", "I")]

@@ -30,9 +30,15 @@ def coupled_cavity(
 ) -> CoupledAir:
     """The air of a closed room of any shape joined to the shapes of what moves of its boundary.
 
-    modes, walls : as of `acoustics.meshed.meshed_pressure.cavity_pressure`.
-    up_to_hz : modes of the room up to it are kept [Hz], at most those the room has and the 300 lowest; the others act
-        as added mass.
+    Parameters
+    ----------
+    modes : CavityModes
+        As of `acoustics.meshed.meshed_pressure.cavity_pressure`.
+    up_to_hz : float
+        Modes of the room up to it are kept [Hz], at most those the room has and the 300 lowest; the others act as added
+        mass.
+    walls : Mapping[str, AnyWall] | None
+        As of `acoustics.meshed.meshed_pressure.cavity_pressure`.
 
     Notes
     -----
@@ -45,6 +51,8 @@ def coupled_cavity(
 
     Raises AcousticsError: a wall that yields without a stiffness, which nothing holds in place.
 
+    Examples
+    --------
     The piston of `coupled_air` over its box, whose next mode along z is at 1700 Hz:
 
     >>> from acoustics.meshed.cavity_mesh import box_mesh

@@ -119,14 +119,24 @@ def cavity_pressure(
 ) -> RoomResponse:
     """Pressure at the receivers of a room of any shape, part of whose boundary moves with the given velocity.
 
-    modes : of `cavity_modes`, up to twice the band of interest. walls : what the named walls absorb, or how they
-    yield; others are rigid.
+    Parameters
+    ----------
+    modes : CavityModes
+        Of `cavity_modes`, up to twice the band of interest.
+    walls : Mapping[str, AnyWall] | None
+        What the named walls absorb, or how they yield; others are rigid.
 
-    Returns RoomResponse; its findings name a velocity beyond the modes, a mesh too coarse for them, and walls that
-    absorb too much for what is said of them.
+    Returns
+    -------
+    RoomResponse
+        RoomResponse; its findings name a velocity beyond the modes, a mesh too coarse for them, and walls that absorb
+        too much for what is said of them.
 
-    Raises AcousticsError: surface points off the boundary, receivers outside, walls without a name in the mesh, losses
-    of kind ``source``, which are not causal.
+    Raises
+    ------
+    AcousticsError
+        Surface points off the boundary, receivers outside, walls without a name in the mesh, losses of kind ``source``,
+        which are not causal.
 
     Notes
     -----
@@ -138,6 +148,8 @@ def cavity_pressure(
     the integrals of beta psi_n psi_m: then the coupled system is solved by its complex modes, and so it is with walls
     that yield, whose displacement is part of that system.
 
+    Examples
+    --------
     A piston that stops after pushing 0.1 mm into a box of 1 m height compresses it by 1e-4:
 
     >>> from acoustics.meshed.finite_elements import cavity_modes
@@ -164,9 +176,15 @@ def cavity_pressures(
     """Pressure at the receivers for each of several motions of one ceiling: as `cavity_pressure` of each, the transfer
     functions found once.
 
-    surfaces : of the same points, weights, shapes and sampling; they differ in their rates.
+    Parameters
+    ----------
+    surfaces : Sequence[SurfaceVelocity]
+        Of the same points, weights, shapes and sampling; they differ in their rates.
 
-    Raises AcousticsError as `cavity_pressure` does, and for no surface or surfaces that differ.
+    Raises
+    ------
+    AcousticsError
+        As `cavity_pressure` does, and for no surface or surfaces that differ.
     """
     if losses.kind == "source":
         raise AcousticsError("losses", got="kind source", expected="a causal kind", do="use form: causal")
@@ -287,7 +305,10 @@ def _transfer_of(
 ) -> _Transfer:
     """The transfer from what moves to places [r, 3], or to the forces on its own shapes, and advice on the walls.
 
-    back : from sources at the places to the forces on the shapes instead.
+    Parameters
+    ----------
+    back : bool
+        From sources at the places to the forces on the shapes instead.
     """
     loads = drive(modes, surface)
     listening = loads.T if places is None else probe(modes.mesh, places)

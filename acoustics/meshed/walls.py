@@ -221,10 +221,13 @@ def wall_absorption(modes: CavityModes, walls: Mapping[str, AnyWall], air: Air) 
 
 
 def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
-    """Largest rate by which walls couple two modes, c |A_nm|, over the distance of their frequencies or, where they lie
-    closer than that, over their own rates.
+    """Largest rate by which walls couple two modes, c |A_nm|, over the distance of their frequencies or, where they
+    lie closer than that, over their own rates.
 
-    taken_up [n, n] : of `wall_absorption` [1/m].
+    Parameters
+    ----------
+    taken_up : Floats [n, n]
+        Of `wall_absorption` [1/m].
     """
     distance = air.c * np.abs(modes.wavenumber[:, None] - modes.wavenumber)
     rates = air.c * np.abs(taken_up)
@@ -237,8 +240,11 @@ def coupling(modes: CavityModes, taken_up: Floats, air: Air) -> float:
 def is_coupled(walls: Mapping[str, AnyWall], coupled: float) -> bool:
     """Whether the modes of a room are complex ones, which walls couple, rather than each damped by itself.
 
-    coupled : of `coupling`. However little it is: in a tube whose end couples two modes by 0.02, modes that are damped
-    one by one have peaks that are 12 % off and dips between them that are 16 dB off.
+    Parameters
+    ----------
+    coupled : float
+        Of `coupling`. However little it is: in a tube whose end couples two modes by 0.02, modes that are damped one by
+        one have peaks that are 12 % off and dips between them that are 16 dB off.
     """
     return coupled > 0.0 or any(isinstance(wall, YieldingWall) for wall in walls.values())
 
@@ -264,7 +270,10 @@ def two_way_absorption(
 ) -> tuple[Advice, ...]:
     """Advice where walls absorb more than the damping of each mode by itself, which is what two-way coupling has.
 
-    first_hz : the lowest mode of structure and air, 0 for none [Hz].
+    Parameters
+    ----------
+    first_hz : float
+        The lowest mode of structure and air, 0 for none [Hz].
     """
     taken = wall_absorption(modes, walls, air)
     coupled = coupling(modes, taken, air)
@@ -309,7 +318,10 @@ def resonances(
     """Poles [m] [1/s] of a room and its walls, what of the pressures of its modes is in each [n, m], and how these
     drive it [m, n].
 
-    absorbed [n, n] : A, of `wall_absorption` [1/m].
+    Parameters
+    ----------
+    absorbed : Floats [n, n]
+        A, of `wall_absorption` [1/m].
 
     Notes
     -----

@@ -175,8 +175,16 @@ def radiated_power(
 ) -> Floats:
     """Mean sound power [nf] [W] that a baffled flat surface radiates to one side.
 
-    points [p, 3], weights [p], shapes [p, k] : as of a `SurfaceVelocity` [m], [m^2].
-    rates [k, nf] : complex velocities (peak values) of the modal coordinates; shapes times rates is m/s.
+    Parameters
+    ----------
+    points : Floats [p, 3]
+        As of a `SurfaceVelocity` [m], [m^2].
+    weights : Floats [p]
+        As of a `SurfaceVelocity` [m], [m^2].
+    shapes : Floats [p, k]
+        As of a `SurfaceVelocity` [m], [m^2].
+    rates : Complexes [k, nf]
+        Complex velocities (peak values) of the modal coordinates; shapes times rates is m/s.
 
     Notes
     -----
@@ -187,6 +195,8 @@ def radiated_power(
 
     F. Fahy, P. Gardonio, Sound and Structural Vibration, 2nd ed., section 3.3.
 
+    Examples
+    --------
     A small source: rho c k^2 |Q|^2 / (4 pi) of volume velocity Q:
 
     >>> power = radiated_power(np.zeros((1, 3)), np.array([1e-4]), np.ones((1, 1)), np.ones((1, 1), complex),
@@ -382,13 +392,27 @@ def radiation_pattern(
 ) -> Directivity:
     """Far field of a baffled flat surface that moves with exp(+j omega t).
 
-    points [p, 3], weights [p], shapes [p, k], rates [k, nf] : as of `acoustics.radiated_power`.
-    normal [3], along [2, 3] : unit vectors into the air and along the surface's two sides.
+    Parameters
+    ----------
+    points : Floats [p, 3]
+        As of `acoustics.radiated_power`.
+    weights : Floats [p]
+        As of `acoustics.radiated_power`.
+    shapes : Floats [p, k]
+        As of `acoustics.radiated_power`.
+    rates : Complexes [k, nf]
+        As of `acoustics.radiated_power`.
+    normal : Floats [3]
+        Unit vectors into the air and along the surface's two sides.
+    along : Floats [2, 3]
+        Unit vectors into the air and along the surface's two sides.
 
     Notes
     -----
     The exact phase of every point (Fraunhofer): r |p| = omega rho / (2 pi) |sum of w v exp(j k e . x)|.
 
+    Examples
+    --------
     A source small beside the wave sends the same everywhere:
 
     >>> small = radiation_pattern(np.zeros((1, 3)), np.array([1e-4]), np.ones((1, 1)), np.ones((1, 1), complex),

@@ -137,18 +137,29 @@ def field_pressures(
 ) -> list[RoomResponse]:
     """Pressure in front of a baffled surface for each of several of its motions.
 
-    surfaces : of the same points, weights, shapes and sampling; they differ in their rates. Points on the plane.
+    Parameters
+    ----------
+    surfaces : Sequence[SurfaceVelocity]
+        Of the same points, weights, shapes and sampling; they differ in their rates. Points on the plane.
 
-    Returns RoomResponse of each, the sound's way included: silence for R / c; their findings name points too far apart
-    for the highest frequency of the motion, and receivers too near.
+    Returns
+    -------
+    list[RoomResponse]
+        RoomResponse of each, the sound's way included: silence for R / c; their findings name points too far apart for
+        the highest frequency of the motion, and receivers too near.
 
-    Raises AcousticsError as `harmonic_field` does, and for no surface or surfaces that differ.
+    Raises
+    ------
+    AcousticsError
+        As `harmonic_field` does, and for no surface or surfaces that differ.
 
     Notes
     -----
     By the transform of the motion, brought smoothly to rest after the record's end and followed by silence as long as
     the longest way, so that nothing wraps round. Sound that arrives after the record's end is not heard.
 
+    Examples
+    --------
     A piston of 1 cm^2 that speeds up by 1 m/s^2 is heard as rho a S / (2 pi R), later by R / c:
 
     >>> t = np.arange(2400) / 48e3

@@ -52,7 +52,12 @@ def _free(ka: Floats) -> Complexes:
 def _solved(x: Complexes, height: float, orders: int) -> Complexes:
     """Multipoles [nf, orders] that move the air with the sphere: dp/dr a / (rho s u a) = -cos all over it.
 
-    x [nf] = s a / c. height : of the centre over the plane, in radii. By projection on the Legendre polynomials.
+    x [nf] = s a / c.
+
+    Parameters
+    ----------
+    height : float
+        Of the centre over the plane, in radii. By projection on the Legendre polynomials.
     """
     cos, weights = leggauss(max(64, 4 * orders))
     n = np.arange(orders)
@@ -196,11 +201,17 @@ def sphere_transfer(
 ) -> Complexes:
     """Pressure of a sphere in front of a rigid plane per velocity along its normal [n_receivers, nf] [Pa s/m].
 
-    place [3] : of its centre, from the origin of the half space [m]. frequency_hz [nf] : of motion exp(+j omega t), 0
-    among them, up to omega radius / c = 24.
+    Parameters
+    ----------
+    place : Floats [3]
+        Of its centre, from the origin of the half space [m].
+    frequency_hz : Floats [nf]
+        Of motion exp(+j omega t), 0 among them, up to omega radius / c = 24.
 
-    Raises AcousticsError: a sphere that dips into the plane, a receiver behind the plane or inside the sphere,
-    frequencies too high.
+    Raises
+    ------
+    AcousticsError
+        A sphere that dips into the plane, a receiver behind the plane or inside the sphere, frequencies too high.
 
     Notes
     -----
@@ -213,6 +224,8 @@ def sphere_transfer(
 
     Low frequencies, far above the plane: omega^2 rho a^3 cos / (2 r c).
 
+    Examples
+    --------
     >>> high, mic = np.array([0.0, 0.0, 1e5]), [Receiver("mic", [0, 0, 1e5 + 50])]
     >>> heard = sphere_transfer(Baffle(Air(343, 1.21)), 0.01, high, np.array([100.0]), mic)
     >>> print(f"{abs(heard[0, 0]) / ((2 * np.pi * 100)**2 * 1.21 * 0.01**3 / (2 * 50 * 343)):.3f}")

@@ -346,8 +346,11 @@ def resolved_orders(room: Box, points: Floats) -> Integers:
 def undriven(surfaces: Sequence[SurfaceVelocity], room: Box, done: Integers, highest_hz: float) -> bool:
     """Whether no cosine of the sources' band that is left out is driven nearly as much as those that are in.
 
-    surfaces : motions of one surface. Blocks that add nothing end the search; a surface that moves in a pattern finer
-    than the last block would end it too early.
+    Parameters
+    ----------
+    surfaces : Sequence[SurfaceVelocity]
+        Motions of one surface. Blocks that add nothing end the search; a surface that moves in a pattern finer than the
+        last block would end it too early.
     """
     left = orders_not_in(order_grid(*band_orders(room, highest_hz)), done)
     patterns = [np.abs(project(surfaces[0], room, some)) for some in (left, done)]
@@ -359,11 +362,17 @@ def undriven(surfaces: Sequence[SurfaceVelocity], room: Box, done: Integers, hig
 def audible(
     coefficients: Floats, products: Sequence[Floats], room: Box, orders: Integers, quietest: Sequence[float]
 ) -> NDArray[np.bool_]:
-    """Which cosines `orders` [n, 2] could matter: the others, each in resonance all the time, would together stay below
-    ENOUGH.
+    """Which cosines `orders` [n, 2] could matter: the others, each in resonance all the time, would together stay
+    below ENOUGH.
 
-    coefficients [n, k] : of the modes in them. products : of every motion, of `motion_products`. quietest : of each,
-        the energy so far at the quietest receiver, a sum of squares [Pa^2].
+    Parameters
+    ----------
+    coefficients : Floats [n, k]
+        Of the modes in them.
+    products : Sequence[Floats]
+        Of every motion, of `motion_products`.
+    quietest : Sequence[float]
+        Of each, the energy so far at the quietest receiver, a sum of squares [Pa^2].
 
     Notes
     -----

@@ -116,8 +116,11 @@ class CoupledAir:
 def coupled_air(room: Box, surface: SurfaceShapes, up_to_hz: float) -> CoupledAir:
     """The air of a closed room joined to the shapes of its ceiling.
 
-    up_to_hz : cavity modes up to it are kept [Hz], at most the 300 lowest, and none finer than the points resolve; the
-        others act as added mass.
+    Parameters
+    ----------
+    up_to_hz : float
+        Cavity modes up to it are kept [Hz], at most the 300 lowest, and none finer than the points resolve; the others
+        act as added mass.
 
     Notes
     -----
@@ -129,6 +132,8 @@ def coupled_air(room: Box, surface: SurfaceShapes, up_to_hz: float) -> CoupledAi
     The losses of the room act as in `acoustics.rooms.box_pressure`: Kelvin-Voigt air is tau times its stiffness, a
     constant decay rate 2 gamma times its mass; losses of kind ``source`` are hysteretic, for frequency responses.
 
+    Examples
+    --------
     A piston of 29.68 kg on 4.641e5 N/m over a sealed box, all cavity modes as added mass:
 
     >>> box = Box([0.58, 0.47, 0.1], Air(340, 1.29))
@@ -163,10 +168,18 @@ def join_air(
 ) -> CoupledAir:
     """The air of a room from its modes, however they were found.
 
-    volume : of the room [m^3].
-    frequency_hz [n] : of the modes kept, without the uniform one. displaced [1 + n, k] : integrals of the modes, the
-    uniform one first, times the shapes over what moves. added [k, k] : mass of the modes left out.
-    absorbed [n] : rate of decay of each mode's energy by what walls absorb [1/s]; None for none.
+    Parameters
+    ----------
+    volume : float
+        Of the room [m^3].
+    frequency_hz : Floats [n]
+        Of the modes kept, without the uniform one.
+    displaced : Floats [1 + n, k]
+        Integrals of the modes, the uniform one first, times the shapes over what moves.
+    added : Floats [k, k]
+        Mass of the modes left out.
+    absorbed : Floats | None [n]
+        Rate of decay of each mode's energy by what walls absorb [1/s]; None for none.
     """
     n, k = len(frequency_hz), displaced.shape[1]
     compression = np.zeros((1 + n, k + n))
@@ -192,7 +205,10 @@ def join_air(
 def kept_modes(room: Box, up_to_hz: float, finest: Integers, most: int = MOST) -> tuple[Floats, Integers, float]:
     """Frequencies [n], indices [n, 3] of the cavity modes kept, and the frequency below which none is left out.
 
-    finest [3] : highest order along every axis that what moves can tell.
+    Parameters
+    ----------
+    finest : Integers [3]
+        Highest order along every axis that what moves can tell.
 
     Notes
     -----

@@ -154,11 +154,23 @@ def pressure_map(
 ) -> PressureMap:
     """Spectrum of the pressure at chosen frequencies on a plane of the room.
 
-    frequencies_hz : [nf], above 0 [Hz].
-    normal, at : the plane x, y or z = `at` [m].
-    divisions : intervals along the two other axes. orders : cosines in each direction.
+    Parameters
+    ----------
+    frequencies_hz : Sequence[float] | Floats
+        [nf], above 0 [Hz].
+    normal : str
+        The plane x, y or z = `at` [m].
+    at : float
+        The plane x, y or z = `at` [m].
+    divisions : tuple[int, int]
+        Intervals along the two other axes.
+    orders : int
+        Cosines in each direction.
 
-    Raises AcousticsError: a plane outside the room, a frequency not above 0, a room without losses at resonance.
+    Raises
+    ------
+    AcousticsError
+        A plane outside the room, a frequency not above 0, a room without losses at resonance.
 
     Notes
     -----
@@ -166,6 +178,8 @@ def pressure_map(
     enough for the air to fall silent would give, the surface standing still after the record's end. It equals
     `RoomResponse.spectrum` when the record has decayed.
 
+    Examples
+    --------
     >>> from acoustics.air import Air
     >>> box = Box([0.58, 0.47, 0.1], Air(340, 1.29))
     >>> push = np.sin(np.pi * np.arange(48) / 48) ** 2
@@ -211,9 +225,17 @@ def map_within(
 ) -> PressureMap:
     """The map of a field whose spectra [nf, p] at frequencies [nf] and points [p, 3] are known one by one.
 
-    contains : which of points [p, 3] lie in it; the others are nan. extent [2, 3] : its lower and upper corner [m].
+    Parameters
+    ----------
+    contains : Callable[[Floats], NDArray[np.bool_]]
+        Which of points [p, 3] lie in it; the others are nan.
+    extent : Floats [2, 3]
+        Its lower and upper corner [m].
 
-    Raises AcousticsError as `pressure_map` does.
+    Raises
+    ------
+    AcousticsError
+        As `pressure_map` does.
     """
     frequency_hz, fixed, axes = _plane(frequencies_hz, normal)
     low, high = extent

@@ -92,7 +92,10 @@ WINDOW: Final = 13.5  # a T: wrap-around is exp(-a T PADDING) = 2e-9, rounding i
 def transform_axis(nt: int, dt: float, *, damped: bool = True) -> tuple[Complexes, Floats]:
     """Complex frequencies s [nf] [1/s] and weights [length] of the transform of a record of `nt` samples.
 
-    damped : s = a + j omega, the record weighted with exp(-a t), a T = 13.5; otherwise s = j omega and weights of 1.
+    Parameters
+    ----------
+    damped : bool
+        S = a + j omega, the record weighted with exp(-a t), a T = 13.5; otherwise s = j omega and weights of 1.
     """
     length = fast_length(int(np.ceil(PADDING * nt)))
     decay = WINDOW / (nt * dt) if damped else 0.0
@@ -282,12 +285,22 @@ def pressure(
 ) -> RoomResponse:
     """Pressure at the receivers of a rigid-walled room whose ceiling moves with the given velocity.
 
-    orders : cosines l, m = 0 .. orders - 1 of the ceiling in both directions; None: those of the source's band, and
-        then more until the last ones add less than 1e-4 of the pressure (rms, at the worst receiver).
+    Parameters
+    ----------
+    orders : int | None
+        Cosines l, m = 0 .. orders - 1 of the ceiling in both directions; None: those of the source's band, and then
+        more until the last ones add less than 1e-4 of the pressure (rms, at the worst receiver).
 
-    Returns RoomResponse; its findings say whether the orders, the sampling, the decay of the record and the losses
-    allow the result to be trusted.
-    Raises AcousticsError: points off the ceiling, a receiver outside the room, no receivers, orders below 1.
+    Returns
+    -------
+    RoomResponse
+        RoomResponse; its findings say whether the orders, the sampling, the decay of the record and the losses allow
+        the result to be trusted.
+
+    Raises
+    ------
+    AcousticsError
+        Points off the ceiling, a receiver outside the room, no receivers, orders below 1.
 
     Notes
     -----
@@ -305,6 +318,8 @@ def pressure(
     --------
     A piston of 1 mm/s for 10 ms compresses the box by 1/10 of a millimetre in 100: rho c^2 / 10^4.
 
+    Examples
+    --------
     >>> import numpy as np
     >>> from acoustics import Air, Receiver, Room, SurfaceVelocity, losses_from_beta, pressure
     >>> room = Room([0.58, 0.47, 0.1], Air(c=340, rho=1.29), losses_from_beta(0.0116, 293))
@@ -329,10 +344,17 @@ def pressures(
     """Pressure at the receivers for each of several motions of one ceiling: as `pressure` of each, but what the room
     costs, its transfer functions and the cosines of the ceiling, is paid once.
 
-    surfaces : of the same points, weights, shapes and sampling; they differ in their rates.
-    up_to_hz : the highest frequency of interest; what lies more than a third octave above it fades within an octave.
+    Parameters
+    ----------
+    surfaces : Sequence[SurfaceVelocity]
+        Of the same points, weights, shapes and sampling; they differ in their rates.
+    up_to_hz : float
+        The highest frequency of interest; what lies more than a third octave above it fades within an octave.
 
-    Raises AcousticsError as `pressure` does, and for no surface or surfaces that differ.
+    Raises
+    ------
+    AcousticsError
+        As `pressure` does, and for no surface or surfaces that differ.
     """
     return pressures_and_orders(surfaces, room, receivers, orders=orders, up_to_hz=up_to_hz)[0]
 
@@ -437,7 +459,12 @@ def _with_cosines(
 ) -> tuple[list[Histories], list[float]]:
     """The sound of every motion with what the cosines `orders` of the ceiling make, and their shares of it.
 
-    coefficients [n, k] : of the modes in the cosines. complete : whether the shares are wanted; 0 where not.
+    Parameters
+    ----------
+    coefficients : Floats [n, k]
+        Of the modes in the cosines.
+    complete : bool
+        Whether the shares are wanted; 0 where not.
     """
     length, nt = len(motion.weight), motion.nt
     inwards = np.argsort(horizontal_wavenumber(room, orders), kind="stable")
@@ -484,8 +511,14 @@ def _through(
     """Pressure spectra by motion and height, up to the last frequency that carries anything: [n_here, nf] of the
     listeners there where they are few, [n, nf] of the cosines elsewhere.
 
-    orders [n, 2] : by rising wavenumber. coefficients [n, k] : of the modes in them. mixes : share [n_here, n] of each
-        cosine at the listeners of each height.
+    Parameters
+    ----------
+    orders : Integers [n, 2]
+        By rising wavenumber.
+    coefficients : Floats [n, k]
+        Of the modes in them.
+    mixes : list[Floats]
+        Share [n_here, n] of each cosine at the listeners of each height.
 
     Notes
     -----
@@ -580,7 +613,10 @@ class RoomTransfer:
     def pressures(self, surfaces: Sequence[SurfaceVelocity]) -> list[RoomResponse] | None:
         """Pressures of other motions, to rounding those of the ceiling's cosines; None where they need other cosines.
 
-        surfaces : motions of the transfer's own ceiling, see `of`.
+        Parameters
+        ----------
+        surfaces : Sequence[SurfaceVelocity]
+            Motions of the transfer's own ceiling, see `of`.
 
         Notes
         -----

@@ -182,9 +182,19 @@ def wall_loads(
     """Integrals [k, nf] over surfaces that are held, of the pressure that a point source makes per volume velocity,
     times their shapes; and advice on it.
 
-    surface : on any walls. place [3] : of the source, in the room [m]. frequency_hz [nf] : above 0 [Hz].
+    Parameters
+    ----------
+    surface : SurfaceShapes
+        On any walls.
+    place : Floats [3]
+        Of the source, in the room [m].
+    frequency_hz : Floats [nf]
+        Above 0 [Hz].
 
-    Raises AcousticsError: a source outside the room, points on no wall, a room without losses at a resonance.
+    Raises
+    ------
+    AcousticsError
+        A source outside the room, points on no wall, a room without losses at a resonance.
 
     Notes
     -----
@@ -197,6 +207,8 @@ def wall_loads(
     on the wall, h from the source; d(s), mu and E are those of `acoustics.rooms.box`. Cosines are added until
     the last ones make less than 1e-10, or the points resolve no more.
 
+    Examples
+    --------
     Far below its first mode a room is compressed as a whole, by rho c^2 / (s V):
 
     >>> box = Box([0.58, 0.47, 0.1])
@@ -268,8 +280,14 @@ Parts = Mapping[Turn, SurfaceShapes]
 def coupled_walls(room: Box, surface: SurfaceShapes, up_to_hz: float, most: int = MOST) -> CoupledAir:
     """The air of a closed room joined to the shapes of surfaces on any of its walls, which share their coordinates.
 
-    up_to_hz, most : cavity modes up to it are kept [Hz], at most so many, and none finer than the points resolve along
-        any wall; the others act as added mass.
+    Parameters
+    ----------
+    up_to_hz : float
+        Cavity modes up to it are kept [Hz], at most so many, and none finer than the points resolve along any wall; the
+        others act as added mass.
+    most : int
+        Cavity modes up to it are kept [Hz], at most so many, and none finer than the points resolve along any wall; the
+        others act as added mass.
 
     Notes
     -----
@@ -398,20 +416,33 @@ _POWERS_AT_ONCE: Final = 1 << 21  # complex numbers
 def wall_powers(room: Box, surfaces: Sequence[SurfaceVibration], up_to_hz: float | None = None) -> Floats:
     """Mean power [n_surfaces, nf] [W] that each of several surfaces gives the air of a room.
 
-    surfaces : on any walls, of the same frequencies. up_to_hz : modes of the room above it, and beyond 4000 of them,
-        answer as at rest; three times the highest frequency if left out.
+    Parameters
+    ----------
+    surfaces : Sequence[SurfaceVibration]
+        On any walls, of the same frequencies.
+    up_to_hz : float | None
+        Modes of the room above it, and beyond 4000 of them, answer as at rest; three times the highest frequency if
+        left out.
 
-    Returns 1/2 Re of the integral over each surface of the pressure that all make together, times the conjugate of its
-    own velocity. A surface that the others push takes power out of the air: its power is negative. The powers sum to
-    what the room takes up.
+    Returns
+    -------
+    Floats
+        1/2 Re of the integral over each surface of the pressure that all make together, times the conjugate of its own
+        velocity. A surface that the others push takes power out of the air: its power is negative. The powers sum to
+        what the room takes up.
 
-    Raises AcousticsError: surfaces of other frequencies, points on no wall, a room without losses at a resonance.
+    Raises
+    ------
+    AcousticsError
+        Surfaces of other frequencies, points on no wall, a room without losses at a resonance.
 
     Notes
     -----
     Mode n is driven by L_n v, L_n the integrals of its shape over what moves, and answers rho d(s) L_n v / (V (k_n^2 -
     k^2)), as in `acoustics.rooms.box`; those left out as the added mass of `coupled_walls`, d(s) M.
 
+    Examples
+    --------
     A piston that moves the air of a box of 10 cm, a third of whose mass is dragged at the rate 2 gamma:
 
     >>> from acoustics.air import Air

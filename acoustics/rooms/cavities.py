@@ -247,10 +247,15 @@ def multiplicity(orders: Integers) -> Floats:
 def layer_fields(box: Box, orders: Integers, up_to_hz: float, boundaries: Boundaries, finest: Integers) -> LayerFields:
     """Modes up to a frequency of the cosines `orders` [n, 2], and the others as mass.
 
-    finest [2] : highest cosines that the boundaries resolve.
-
     A piston of 1 m^2 on air 0.2 m deep, no mode kept: a third of the air's mass moves with it.
 
+    Parameters
+    ----------
+    finest : Integers [2]
+        Highest cosines that the boundaries resolve.
+
+    Examples
+    --------
     >>> from acoustics.air import Air
     >>> box, only = Box([1, 1, 0.2], Air(343, 1.2)), np.zeros((1, 2), dtype=np.int64)
     >>> moved = lambda orders: (np.zeros((len(orders), 1)), (orders == 0).all(axis=1)[:, None] * 1.0)
@@ -378,11 +383,19 @@ class CavityAir:
 def cavity_air(cavity: Cavity, first: SurfaceShapes, second: SurfaceShapes, up_to_hz: float) -> CavityAir:
     """The air of a cavity joined to the shapes of its surfaces, modes up to a frequency as coordinates.
 
-    first, second : at z = depth and z = 0, points in the cavity's own x and y; displacements into the cavity [p, k] in
-    the same k coordinates.
-
     Two pistons of 1 kg/m^2 over air 0.2 m deep, against each other: the spring rho c^2 / d (1 / m_1 + 1 / m_2)
 
+    Parameters
+    ----------
+    first : SurfaceShapes
+        At z = depth and z = 0, points in the cavity's own x and y; displacements into the cavity [p, k] in the same k
+        coordinates.
+    second : SurfaceShapes
+        At z = depth and z = 0, points in the cavity's own x and y; displacements into the cavity [p, k] in the same k
+        coordinates.
+
+    Examples
+    --------
     >>> cavity = Cavity([1.0, 1.0, 0.2])
     >>> one, other = (SurfaceShapes([[0.5, 0.5, 0]], [1.0], [row]) for row in ([1.0, 0.0], [0.0, 1.0]))
     >>> air = cavity_air(cavity, one, other, up_to_hz=100.0)
@@ -558,9 +571,14 @@ _APART: Final = 1e-13  # of what two coordinates have of their own: rounding
 def condense_air(air: CavityAir, omega: Floats, top_hz: float, allowed: float = ALLOWED) -> CavityAir:
     """The same air with fewer coordinates of its own, for motions up to a frequency.
 
-    omega [k] : circular frequencies of the coordinates of the surfaces: below its own, one reacts as a stiffness, and
-    less is needed of what it moves.
+    Parameters
+    ----------
+    omega : Floats [k]
+        Circular frequencies of the coordinates of the surfaces: below its own, one reacts as a stiffness, and less is
+        needed of what it moves.
 
+    Examples
+    --------
     Two pistons with limp wool between them keep the frame that goes with both, and little else:
 
     >>> from acoustics.rooms.cavities import Cavity

@@ -97,7 +97,10 @@ def advice_below(findings: Iterable[Advice], complete_below_hz: float) -> tuple[
 def third_octave_missed_db(samples: float) -> float:
     """What a third octave loses to sampling [dB]: the measured table above, between its entries by a power.
 
-    samples : of a period of its frequency.
+    Parameters
+    ----------
+    samples : float
+        Of a period of its frequency.
     """
     return float(10 ** np.interp(np.log10(samples), np.log10(MISSED_AT), np.log10(MISSED_DB)))
 

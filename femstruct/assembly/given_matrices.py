@@ -30,20 +30,42 @@ def given_matrices(
 ) -> Assembly:
     """The assembly of matrices that were made elsewhere.
 
-    M, K, C [n, n] : mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m,
-    N s/m]; supports are already taken out of them.
-    nodes, components [n] : which node and which of its components (`femstruct.conventions`: UX .. RZ) each degree of
-    freedom is. points [n_nodes, 3] : where the nodes are [m].
-    loss_factor : of all of it, for `FromMaterials`; the stiffness has the name "given".
-
-    Returns an Assembly without forces by name: what holds the structure is not in the matrices.
-
-    Raises FemstructError for a matrix of another size, with other than real numbers or that is not symmetric, for M and
-    C that two degrees of freedom can move with negative energy or loss, for a
-    node or component that is not there, and for two degrees of freedom that are one.
-
     Two masses of 1 and 2 kg on springs in a row, k = 1 kN/m each, along x: omega^2 = k (5 -+ sqrt(17)) / (4 kg).
 
+    Parameters
+    ----------
+    M : Any [n, n]
+        Mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m, N s/m];
+        supports are already taken out of them.
+    K : Any [n, n]
+        Mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m, N s/m];
+        supports are already taken out of them.
+    nodes : ArrayLike [n]
+        Which node and which of its components (`femstruct.conventions`: UX .. RZ) each degree of freedom is.
+    components : ArrayLike [n]
+        Which node and which of its components (`femstruct.conventions`: UX .. RZ) each degree of freedom is.
+    points : ArrayLike [n_nodes, 3]
+        Where the nodes are [m].
+    C : Any [n, n]
+        Mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m, N s/m];
+        supports are already taken out of them.
+    loss_factor : float
+        Of all of it, for `FromMaterials`; the stiffness has the name "given".
+
+    Returns
+    -------
+    Assembly
+        An Assembly without forces by name: what holds the structure is not in the matrices.
+
+    Raises
+    ------
+    FemstructError
+        For a matrix of another size, with other than real numbers or that is not symmetric, for M and C that two
+        degrees of freedom can move with negative energy or loss, for a node or component that is not there, and for two
+        degrees of freedom that are one.
+
+    Examples
+    --------
     >>> from femstruct import modal_basis
     >>> from femstruct.conventions import UX
     >>> k = 1e3
@@ -105,14 +127,23 @@ def mapped_matrices(
 ) -> Assembly:
     """The assembly of matrices whose degrees of freedom move the nodes by a map, as after ties and reductions.
 
-    As `given_matrices`, but dofs : how the nodes follow. momentum [3, n] : of the structure when each degree of freedom
-    moves at unit rate, along x, y, z [kg]. total_mass [kg].
-
-    Raises FemstructError for a matrix of another size or that is not symmetric, for M and C that two degrees of freedom
-    can move with negative energy or loss, and for a map to other nodes.
+    As `given_matrices`, but dofs : how the nodes follow.
 
     A rigid bar of 3 kg that shifts along z: one degree of freedom for both of its ends.
 
+    Parameters
+    ----------
+    momentum : ArrayLike [3, n]
+        Of the structure when each degree of freedom moves at unit rate, along x, y, z [kg]. total_mass [kg].
+
+    Raises
+    ------
+    FemstructError
+        For a matrix of another size or that is not symmetric, for M and C that two degrees of freedom can move with
+        negative energy or loss, and for a map to other nodes.
+
+    Examples
+    --------
     >>> ends = DofMap(csr_array(([1.0, 1.0], ([2, 9], [0, 0])), shape=(14, 1)), ("bar UZ",))
     >>> bar = mapped_matrices([[3.0]], [[12.0]], ends, np.eye(2, 3), [[0.0], [0.0], [3.0]], 3.0)
     >>> from femstruct import modal_basis

@@ -136,8 +136,14 @@ def force_rows(
 ) -> dict[str, ForceRows]:
     """Force rows of every spring, foundation, support and joint by name, and "ground".
 
-    equations [m, n_raw] with the stretch of each tie in `owners`; matrices : stiffness, damping and mass on the raw
-    degrees of freedom [n_raw, n_raw]; pushed [n_raw, 3] : what unit accelerations of everything push them with [kg].
+    equations [m, n_raw] with the stretch of each tie in `owners`.
+
+    Parameters
+    ----------
+    matrices : tuple[csr_array, csr_array, csr_array]
+        Stiffness, damping and mass on the raw degrees of freedom [n_raw, n_raw].
+    pushed : Floats [n_raw, 3]
+        What unit accelerations of everything push them with [kg].
 
     Notes
     -----

@@ -66,10 +66,18 @@ def scene_columns(
 ) -> SceneColumns | None:
     """What all samples change, where that is nothing but numbers of scenes; None where it is more.
 
-    staged : study and scene of every case for texts ``PATH=VALUE``. report : is given a line while all are read.
+    Parameters
+    ----------
+    staged : Staged
+        Study and scene of every case for texts ``PATH=VALUE``.
+    report : Callable[[str], None]
+        Is given a line while all are read.
 
-    Raises InputErrors for a sample that cannot be read, FemstructError for numbers that a body, contact or link
-    refuses, TypeError for a law with functions of its own.
+    Raises
+    ------
+    InputErrors
+        For a sample that cannot be read, FemstructError for numbers that a body, contact or link refuses, TypeError for
+        a law with functions of its own.
 
     Notes
     -----
@@ -226,9 +234,17 @@ def _listened(study: Study) -> list[str]:
 def receiver_rooms(study: Study, places: Places, basis: ModalBasis, scene: Scene, clock: Clock) -> RoomReceivers:
     """Listeners in all rooms of a study that keep their transfers, for what pushes the modes.
 
-    basis : damped; scene : of the impact from which the rooms' transfers are found, to 1e-4 of the pressure.
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped.
+    scene : Scene
+        Of the impact from which the rooms' transfers are found, to 1e-4 of the pressure.
 
-    Raises InputError where they cannot be had: for modes that damping couples and a structure that moves at the start.
+    Raises
+    ------
+    InputError
+        Where they cannot be had: for modes that damping couples and a structure that moves at the start.
     """
     if scene.velocity is not None:
         raise InputError("initial", got="a structure that moves at the start", expected="one at rest")
@@ -459,7 +475,12 @@ def batch_tasks(
     """All samples as tasks of the batch engine; why it takes full runs where it does.
 
     It takes them where a row is to hold every number, or one that needs a history; where anything but numbers of
-    bodies, contacts, links and loads varies (`scene_columns`). report : is given a line while all samples are read.
+    bodies, contacts, links and loads varies (`scene_columns`).
+
+    Parameters
+    ----------
+    report : Callable[[str], None]
+        Is given a line while all samples are read.
     """
     if not campaign.only:
         return "a row holds all numbers; name those that you need under 'samples: {only: [..]}' or by --only"
@@ -582,7 +603,13 @@ def _of_histories(
 
 
 def _joined(parts: Sequence[Row], known: tuple[tuple[str, ...], tuple[str, ...]], only: Sequence[str]) -> Row:
-    """One row of several of a sample in a case. known : codes of findings that all samples have, and of severe ones."""
+    """One row of several of a sample in a case.
+
+    Parameters
+    ----------
+    known : tuple[tuple[str, ...], tuple[str, ...]]
+        Codes of findings that all samples have, and of severe ones.
+    """
     failed = next((part for part in parts if part.trouble), None)
     if failed is not None:
         return failed

@@ -69,8 +69,14 @@ def _refuse_varied(file: str | Path, overrides: Sequence[str]) -> None:
 
 
 def with_limits_of_study(search: Search, plan: Plan | None = None) -> Search:
-    """The search with the limits that the study states itself, which designs hold too; its own limit of the same number
-    comes first. plan : the study as it is written, None to read it."""
+    """The search with the limits that the study states itself, which designs hold too; its own limit of the same
+    number comes first.
+
+    Parameters
+    ----------
+    plan : Plan | None
+        The study as it is written, None to read it.
+    """
     plan = plan or read_study(search.file, search.overrides, only=search.case or None)
     study = next(one.study for one in plan.cases if one.name == (search.case or plan.baseline))
     own = {one.name: one.value for one in study.limits if one.name not in search.limits}
@@ -79,7 +85,13 @@ def with_limits_of_study(search: Search, plan: Plan | None = None) -> Search:
 
 def refuse_values(search: Search, plan: Plan) -> None:
     """Raise InputErrors for listed values that the files cannot have, for ranges and distributions of which they can
-    have no end, and for paths of other cases. plan : the study as it is written."""
+    have no end, and for paths of other cases.
+
+    Parameters
+    ----------
+    plan : Plan
+        The study as it is written.
+    """
     tree = read_yaml(search.file)
     paths, case = [one.path for one in (*search.designs, *search.over)], search.case or plan.baseline
     refuse_other_cases(tree, paths, case)
@@ -133,7 +145,13 @@ def with_place(search: Search, error: InputError) -> InputError:
 
 
 def _refusal(file: str, overrides: Sequence[str], case: str, change: str) -> str:
-    """Why the files cannot have a value; "" where they can. case : the only one to try, "" for all."""
+    """Why the files cannot have a value; "" where they can.
+
+    Parameters
+    ----------
+    case : str
+        The only one to try, "" for all.
+    """
     try:
         read_study(file, (*overrides, change), only=case or None, others=not case)
     except InputErrors as errors:

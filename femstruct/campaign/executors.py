@@ -40,9 +40,15 @@ class Crew(Protocol):
 def crew(workers: int, cluster: str = "") -> Iterator[Crew]:
     """This process for one worker, several for more, or the workers of a scheduler; processes end with the block.
 
-    cluster : address of a Dask scheduler, "" for none.
+    Parameters
+    ----------
+    cluster : str
+        Address of a Dask scheduler, "" for none.
 
-    Raises InputError where no scheduler answers.
+    Raises
+    ------
+    InputError
+        Where no scheduler answers.
     """
     if cluster:
         with _of_scheduler(cluster) as (executor, size):
@@ -134,7 +140,10 @@ def _hand_out(
 ) -> list[Work]:
     """Give tasks to an executor, taken from the list, a few ahead. Returns those under way when it broke.
 
-    given_up : what an executor raises for a task that it has tried several times, whose workers died.
+    Parameters
+    ----------
+    given_up : tuple[type[Exception], ...]
+        What an executor raises for a task that it has tried several times, whose workers died.
     """
     running = dict[Future[list[Row]], Work]()
     while tasks or running:

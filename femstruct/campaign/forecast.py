@@ -38,10 +38,15 @@ def forecast_campaign(
 ) -> dict[str, int | str]:
     """How much there is to compute, by kind, how, and about how long it takes on this machine.
 
-    workers : processes, None for one a core. The first sample is run, twice, to see what its modes take and what the
-    rest.
+    Parameters
+    ----------
+    workers : int | None
+        Processes, None for one a core. The first sample is run, twice, to see what its modes take and what the rest.
 
-    Raises InputErrors where no sample can be read.
+    Raises
+    ------
+    InputErrors
+        Where no sample can be read.
     """
     samples, cores = samples_of(campaign), workers or os.cpu_count() or 1
     batch = batch_tasks(campaign, samples, 1, progress)
@@ -70,10 +75,16 @@ def forecast_search(
 ) -> dict[str, int | str]:
     """What an optimisation will try, and about how long it takes on this machine.
 
-    workers : processes, None for one a core. The design in the middle of all ranges is run, once for the first sample
-    of what scatters; of a range of which the files cannot have one end, one near the other.
+    Parameters
+    ----------
+    workers : int | None
+        Processes, None for one a core. The design in the middle of all ranges is run, once for the first sample of what
+        scatters; of a range of which the files cannot have one end, one near the other.
 
-    Raises InputErrors where the files cannot be read, and what trying a design raises for names of numbers.
+    Raises
+    ------
+    InputErrors
+        Where the files cannot be read, and what trying a design raises for names of numbers.
     """
     cores = workers or os.cpu_count() or 1
     plan = read_study(search.file, search.overrides, only=search.case or None)

@@ -92,13 +92,23 @@ def pareto_front(
 ) -> Front:
     """The designs that hold all limits and of which none is better than another in all of two or three goals.
 
-    folder, workers, cluster : as for `femstruct.sweep`; rows that are kept there are not run again.
-
     A design with a finding that forbids trust, or without one of its numbers, is never on the front. After Ctrl-C the
     front so far.
 
-    Raises InputErrors and InputError as `femstruct.optimise`; InputError also for a search with one goal, and without
-    the package pymoo.
+    Parameters
+    ----------
+    folder : str | Path | None
+        As for `femstruct.sweep`; rows that are kept there are not run again.
+    workers : int | None
+        As for `femstruct.sweep`; rows that are kept there are not run again.
+    cluster : str
+        As for `femstruct.sweep`; rows that are kept there are not run again.
+
+    Raises
+    ------
+    InputErrors
+        And InputError as `femstruct.optimise`; InputError also for a search with one goal, and without the package
+        pymoo.
 
     Notes
     -----
@@ -106,6 +116,8 @@ def pareto_front(
     before those that do not, lists are choices, the first generation is a Latin hypercube. What scatters is treated as
     for one goal. The same seed gives the same designs, whoever runs them. That the front is the true one is not proven.
 
+    Examples
+    --------
     A ball and what it gives a mass; the lighter the ball, the less it gives, so that each is on the front:
 
     >>> from pathlib import Path

@@ -94,7 +94,10 @@ def ends_of(search: Search, point: Floats) -> tuple[End, ...]:
 def starting_designs(search: Search, rows: Swept, case: str) -> Floats:
     """The best designs of a sweep that lie apart, as points of the unit cube [n, d]: those that hold all limits first.
 
-    rows : of a sweep over all paths that may be chosen, and of a case; none of one over fewer, or without a number.
+    Parameters
+    ----------
+    rows : Swept
+        Of a sweep over all paths that may be chosen, and of a case; none of one over fewer, or without a number.
     """
     names = [search.goal, *(name for name in search.limits if name not in rows.paths)]
     columns = [rows.paths.index(one.path) if one.path in rows.paths else -1 for one in search.designs]
@@ -225,14 +228,28 @@ def optimise(
 ) -> Found:
     """The design with the least or largest goal that holds all limits, its own and those of the study.
 
-    folder, workers, cluster : as for `femstruct.sweep`; rows that are kept there are not run again. seen : a sweep over
-    the same paths, of which the search begins with the best designs, those that lie apart.
+    Parameters
+    ----------
+    folder : str | Path | None
+        As for `femstruct.sweep`; rows that are kept there are not run again.
+    workers : int | None
+        As for `femstruct.sweep`; rows that are kept there are not run again.
+    cluster : str
+        As for `femstruct.sweep`; rows that are kept there are not run again.
+    seen : Swept | None
+        A sweep over the same paths, of which the search begins with the best designs, those that lie apart.
 
-    Returns the best design, with those beside it. A design with a finding that forbids trust, or without one of its
-    numbers, never wins. After Ctrl-C the best so far.
+    Returns
+    -------
+    Found
+        The best design, with those beside it. A design with a finding that forbids trust, or without one of its
+        numbers, never wins. After Ctrl-C the best so far.
 
-    Raises InputErrors where the files cannot be read, InputError for names of numbers that there are not, and where no
-    design of the first generation can be run.
+    Raises
+    ------
+    InputErrors
+        Where the files cannot be read, InputError for names of numbers that there are not, and where no design of the
+        first generation can be run.
 
     Notes
     -----
@@ -243,6 +260,8 @@ def optimise(
     the same samples for every design. A global optimum is not proven: `seed` gives another course. The case as the file
     has it, and the baseline, are run beside it with the same samples; these runs are not counted.
 
+    Examples
+    --------
     The lightest ball that gives a mass half a metre per second:
 
     >>> from pathlib import Path

@@ -86,8 +86,15 @@ def choose_numbers(numbers: Mapping[str, Number], only: Sequence[str]) -> dict[s
 
 
 def numbers_of_limit(name: str, limit: float, unit: str, value: float | None, met: bool | None) -> dict[str, Number]:
-    """A limit, what is compared with it and the verdict as numbers of a row; met : None where the run cannot tell.
+    """A limit, what is compared with it and the verdict as numbers of a row.
 
+    Parameters
+    ----------
+    met : bool | None
+        None where the run cannot tell.
+
+    Examples
+    --------
     >>> [one.value for one in numbers_of_limit("settled", 0.7, "s", None, False).values()]
     [0.7, nan, 0.0]
     """
@@ -265,10 +272,18 @@ class Journal:
 
 @contextmanager
 def open_journal(path: Path, campaign: str) -> Iterator[Journal]:
-    """The journal of a campaign, new or gone on with. campaign : a name for all that its rows hang on but for the files
-    that some samples alone are read from, as the second of two models; these the journal knows from its rows.
+    """The journal of a campaign, new or gone on with.
 
-    Raises InputError for a file that is no journal, that of another campaign, or with rows of files that have changed.
+    Parameters
+    ----------
+    campaign : str
+        A name for all that its rows hang on but for the files that some samples alone are read from, as the second of
+        two models; these the journal knows from its rows.
+
+    Raises
+    ------
+    InputError
+        For a file that is no journal, that of another campaign, or with rows of files that have changed.
     """
     name = f"{FORMAT} {campaign}"
     try:
@@ -361,9 +376,13 @@ def write_rows(
     progress: Progress = lambda line: None,
     pictures: bool = True,
 ) -> list[Path]:
-    """Write sweep.h5 with all numbers, sweep.csv, pictures and the page sweep.html with some; returns what was written.
+    """Write sweep.h5 with all numbers, sweep.csv, pictures and the page sweep.html with some; returns what was
+    written.
 
-    names : of the numbers in the table and in the picture, the main ones if none.
+    Parameters
+    ----------
+    names : Sequence[str]
+        Of the numbers in the table and in the picture, the main ones if none.
     """
     folder.mkdir(parents=True, exist_ok=True)
     progress("writing the rows")

@@ -36,23 +36,37 @@ def sweep(
 ) -> Swept:
     """Run a study once for every sample of what it varies.
 
-    folder : where rows are kept as they come; samples that are there already are not run again, but for those whose
-    process ended without an answer. None to keep nothing.
-    workers : processes, None for one a core; a script that asks for several must run under
-        ``if __name__ == "__main__":``. cluster : address of a Dask scheduler whose workers do the work instead; they
-        see the same files. names : names of numbers that a row must have: where the first that is finished, or known
-        already, has none of that name in any case, it ends.
+    Parameters
+    ----------
+    folder : str | Path | None
+        Where rows are kept as they come; samples that are there already are not run again, but for those whose process
+        ended without an answer. None to keep nothing.
+    workers : int | None
+        Processes, None for one a core; a script that asks for several must run under ``if __name__ == "__main__":``.
+    cluster : str
+        Address of a Dask scheduler whose workers do the work instead; they see the same files.
+    names : Sequence[str]
+        Names of numbers that a row must have: where the first that is finished, or known already, has none of that name
+        in any case, it ends.
 
-    Returns the rows. After Ctrl-C those that are finished, if any; the others are not `done`.
+    Returns
+    -------
+    Swept
+        The rows. After Ctrl-C those that are finished, if any; the others are not `done`.
 
-    Raises InputErrors where no sample can be read, before anything is computed; InputError for rows in the folder that
-    are of another campaign, and for a file that is changed meanwhile.
+    Raises
+    ------
+    InputErrors
+        Where no sample can be read, before anything is computed; InputError for rows in the folder that are of another
+        campaign, and for a file that is changed meanwhile.
 
     Notes
     -----
     A row is what `run_study` finds for the study with the values of the sample; a sample that fails has a row that
     says why. Modes are solved once for each structure, as far as a process has them from one of the samples before.
 
+    Examples
+    --------
     A ball hits a mass on a soft spring, which takes over its speed where both are as heavy:
 
     >>> from pathlib import Path

@@ -321,8 +321,14 @@ def gather_rows(
 ) -> Swept:
     """The rows of a campaign as one table.
 
-    plan : one of its studies, for cases and limits. refused : samples that cannot be read, with the reason. method : of
-    sampling.
+    Parameters
+    ----------
+    plan : Plan
+        One of its studies, for cases and limits.
+    refused : Mapping[int, str]
+        Samples that cannot be read, with the reason.
+    method : str
+        Of sampling.
     """
     n = len(samples.texts)
     base = next(case for case in plan.cases if case.name == plan.baseline)

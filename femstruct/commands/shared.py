@@ -135,7 +135,12 @@ def show_result(
 ) -> int:
     """Print a result, as tables or as JSON; returns its exit code.
 
-    seconds : of CPU, by stage, for writing to the folder. message : what more there is to say, not in JSON.
+    Parameters
+    ----------
+    seconds : Mapping[str, float]
+        Of CPU, by stage, for writing to the folder.
+    message : str
+        What more there is to say, not in JSON.
     """
     if as_json:
         from femstruct.files.study_tables import summary
@@ -173,7 +178,13 @@ def watch_study(
     pictures: bool,
     keep: Progress | None,
 ) -> int:
-    """Rounds of a study until Ctrl-C; then all files of the last one are written. keep : as for `rounds`."""
+    """Rounds of a study until Ctrl-C; then all files of the last one are written.
+
+    Parameters
+    ----------
+    keep : Progress | None
+        As for `rounds`.
+    """
     from femstruct.exits import tell
     from femstruct.workflow.run import write_all
     from femstruct.workflow.watch import rounds
@@ -237,7 +248,10 @@ def responses(
 ) -> int:
     """Print several frequency responses of a model, or write them to a file; returns the exit code.
 
-    asked : band, step, kind and method.
+    Parameters
+    ----------
+    asked : tuple[str, str, str, str]
+        Band, step, kind and method.
     """
     from femstruct.files.writing import refuse_unwritable
     from femstruct.view.structure_tables import show_frfs, show_written

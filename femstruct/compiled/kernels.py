@@ -104,10 +104,18 @@ def slot_of(where: str, name: str, at: int, hint: Any) -> Slot:
 
 
 def laid_out(layout: TupleLayout, values: Sequence[Any], alive: list[Any]) -> int:
-    """Address of the words of a named tuple; alive : takes what must live as long as they are used.
+    """Address of the words of a named tuple.
 
-    Raises TypeError for an array of another dtype or number of dimensions, or one that is not contiguous: a kernel
-    would read something else.
+    Parameters
+    ----------
+    alive : list[Any]
+        Takes what must live as long as they are used.
+
+    Raises
+    ------
+    TypeError
+        For an array of another dtype or number of dimensions, or one that is not contiguous: a kernel would read
+        something else.
     """
     words = np.empty(layout.words, dtype=np.int64)
     numbers = words.view(np.float64)
@@ -157,7 +165,10 @@ def summing(function: F) -> F:
 def call_at(address: int, x: float, y: float, numbers: Floats) -> float:
     """Value of the C function `double f(double, double, const double *)` at an address, as kernels call it.
 
-    numbers : begins where the pointer points to.
+    Parameters
+    ----------
+    numbers : Floats
+        Begins where the pointer points to.
     """
     function = CFUNCTYPE(c_double, c_double, c_double, c_void_p)(int(address))
     return float(function(x, y, numbers.ctypes.data))
@@ -219,7 +230,13 @@ class CompiledUnit(Generic[P, R]):
 
 
 def unit(seconds: float) -> Callable[[Callable[P, R]], CompiledUnit[P, R]]:
-    """Make a kernel a unit. seconds : about how long it takes to compile."""
+    """Make a kernel a unit.
+
+    Parameters
+    ----------
+    seconds : float
+        About how long it takes to compile.
+    """
 
     def made(function: Callable[P, R]) -> CompiledUnit[P, R]:
         setattr(function, MARK, False)

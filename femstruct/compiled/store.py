@@ -135,7 +135,18 @@ class Compilation:
         return f"compiling {number} of {len(self.units)}, about {max(left, 1.0):.0f} s left"
 
     def wait(self, report: Report = lambda message: None) -> None:
-        """Return when all is compiled; report : called every second. Raises FemstructError for a failure."""
+        """Return when all is compiled.
+
+        Parameters
+        ----------
+        report : Report
+            Called every second.
+
+        Raises
+        ------
+        FemstructError
+            For a failure.
+        """
         last_report = 0.0
         while any(thread.is_alive() for thread in self.threads):
             if time.monotonic() - last_report > 1.0:

@@ -74,7 +74,13 @@ class _Section:
         return wrong_line(self._path, self.line(self._start) - 1, got, expected, do)
 
     def take(self, count: int, kind: str) -> NDArray[np.float64]:
-        """The next numbers; kind : i of four bytes, q of eight, d."""
+        """The next numbers.
+
+        Parameters
+        ----------
+        kind : str
+            I of four bytes, q of eight, d.
+        """
         if count < 0:
             raise self.refuse(f"{count} numbers", "a count of at least 0")
         if self._words is not None:

@@ -33,11 +33,20 @@ def read_mesh_file(path: str | Path, scale: float = 1.0, sources: dict[str, str]
     """The mesh of a file: Gmsh (.msh 2.2 and 4.1), Abaqus and CalculiX (.inp), Nastran (.bdf, .dat, .nas), universal
     files (.unv, .uff), VTK (.vtu).
 
-    scale : metres in the file's unit of length, 0.001 of one in millimetres. sources : is given a digest of the file
-    under its name, and of those that it includes.
+    Parameters
+    ----------
+    scale : float
+        Metres in the file's unit of length, 0.001 of one in millimetres.
+    sources : dict[str, str] | None
+        Is given a digest of the file under its name, and of those that it includes.
 
-    Raises InputError, and InputErrors with the line where the format is text.
+    Raises
+    ------
+    InputError
+        And InputErrors with the line where the format is text.
 
+    Examples
+    --------
     >>> from pathlib import Path
     >>> import tempfile
     >>> text = "*NODE\\n1, 0, 0, 0\\n2, 40, 0, 0\\n3, 0, 30, 0\\n*ELEMENT, TYPE=S3, ELSET=SKIN\\n7, 1, 2, 3\\n"

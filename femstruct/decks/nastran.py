@@ -89,8 +89,23 @@ class Systems:
         self._asked: list[int] = []
 
     def places(self, numbers: Integers, points: Floats, of: Integers, where: Mapping[int, Card]) -> Floats:
-        """Basic coordinates [n, 3] of nodes. numbers [n] : of them; points [n, 3] : in the system of each; of [n] :
-        numbers of these. where : cards of those that are in another system than the basic one. Raises InputErrors."""
+        """Basic coordinates [n, 3] of nodes.
+
+        Parameters
+        ----------
+        numbers : Integers [n]
+            Of them.
+        points : Floats [n, 3]
+            In the system of each.
+        of : Integers [n]
+            Numbers of these.
+        where : Mapping[int, Card]
+            Cards of those that are in another system than the basic one.
+
+        Raises
+        ------
+        InputErrors
+        """
         found = np.array(points)
         self._rows = {int(node): row for row, node in enumerate(numbers.tolist())} if self._cards else {}
         self._points, self._of, self._where = points, of, where
@@ -100,7 +115,13 @@ class Systems:
         return found
 
     def turned(self, numbers: Integers, of: Integers, where: Mapping[int, Card]) -> Integers:
-        """Nodes whose directions are not the basic ones. of [n] : numbers of the systems of their motion."""
+        """Nodes whose directions are not the basic ones.
+
+        Parameters
+        ----------
+        of : Integers [n]
+            Numbers of the systems of their motion.
+        """
         along = [
             system
             for system in np.unique(of).tolist()
@@ -306,7 +327,13 @@ _LeftOut = tuple[str, Makes, str]  # what is not made, what that makes wrong, an
 
 
 def _bends_otherwise(whose: str, one: Shelled, constants: Mapping[str, Mapping[str, float]]) -> Iterator[_LeftOut]:
-    """What a section has of bending that a plate of its first material does not have. constants : by material."""
+    """What a section has of bending that a plate of its first material does not have.
+
+    Parameters
+    ----------
+    constants : Mapping[str, Mapping[str, float]]
+        By material.
+    """
     membrane, bending, _, _ = one.materials
     differ = [m for m in (membrane, bending) if m > 0]
     if not bending:
@@ -593,7 +620,13 @@ def _gathered(bulk: Bulk) -> Gathered:
 
 
 def _stated(bulk: Bulk, turned: Integers) -> Stated:
-    """What is stated beside the mesh; masses times the factor of all. turned : nodes with directions of their own."""
+    """What is stated beside the mesh; masses times the factor of all.
+
+    Parameters
+    ----------
+    turned : Integers
+        Nodes with directions of their own.
+    """
     holds = [
         StatedHold(_support(number), np.array(some), tuple(int(digit) - 1 for digit in held))
         for (number, held), some in bulk.holds.items()

@@ -16,8 +16,17 @@ def in_global_directions(
 ) -> tuple[list[StatedHold], list[StatedLink]]:
     """Supports and links without those of turned nodes that hold some of their own directions, which are counted.
 
-    turned [n] : numbers of the nodes. why : what turns them, as the file calls it. line : where.
+    Parameters
+    ----------
+    turned : Integers [n]
+        Numbers of the nodes.
+    why : str
+        What turns them, as the file calls it.
+    line : int
+        Where.
 
+    Examples
+    --------
     >>> holds = [StatedHold("a", np.array([1, 2]), (0, 1, 2)), StatedHold("b", np.array([1, 3]), (3,))]
     >>> tally = Tally()
     >>> kept, _ = in_global_directions(holds, [], np.array([1]), tally, "in directions of CD", 4)

@@ -27,11 +27,20 @@ PARALLEL: Final = 1e-3
 def frames(corners: ArrayLike) -> Floats:
     """Own axes of flat elements: x and y in the plane, z the normal, about which the corners go counterclockwise.
 
-    corners [n, 3, 3] or [n, 4, 3] : corners of triangles or quadrilaterals in space [m].
+    Parameters
+    ----------
+    corners : ArrayLike [n, 3, 3] or [n, 4, 3]
+        Corners of triangles or quadrilaterals in space [m].
 
-    Returns R [n, 3, 3]: rows are x, y and z in global components, as of `femstruct.elements.members.directions`.
+    Returns
+    -------
+    Floats
+        R [n, 3, 3]: rows are x, y and z in global components, as of `femstruct.elements.members.directions`.
 
-    Raises InputError for an element without area.
+    Raises
+    ------
+    InputError
+        For an element without area.
 
     Notes
     -----
@@ -39,6 +48,8 @@ def frames(corners: ArrayLike) -> Floats:
     quarter turns alone; x of a triangle lies along its first side. Rigidities that depend on direction are given in
     these axes: `rotate_rigidities` brings them here.
 
+    Examples
+    --------
     >>> bool(np.allclose(frames([[[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]])[0], np.eye(3)))
     True
     """
@@ -85,11 +96,20 @@ def angles(R: ArrayLike, direction: ArrayLike) -> Floats:
 def rotate_rigidities(rigidity: ArrayLike, angle: ArrayLike) -> Floats:
     """Rigidities in the axes of elements from those in the axes of the material.
 
-    rigidity [3, 3] or [n, 3, 3] : A, B or D for (xx, yy, 2 xy); [2, 2] or [n, 2, 2] : As for the shear strains of x and
-    y; angle [n] : from x of the element to x of the material about z [rad], of `angles`.
+    Parameters
+    ----------
+    rigidity : ArrayLike [3, 3] or [n, 3, 3]
+        A, B or D for (xx, yy, 2 xy); [2, 2] or [n, 2, 2] : As for the shear strains of x and y.
+    angle : ArrayLike [n]
+        From x of the element to x of the material about z [rad], of `angles`.
 
-    Returns [n, 3, 3] or [n, 2, 2].
+    Returns
+    -------
+    Floats
+        [n, 3, 3] or [n, 2, 2].
 
+    Examples
+    --------
     >>> rotate_rigidities(np.diag([4.0, 1.0, 0.5]), [np.pi / 2])[0].round(12).diagonal()
     array([1. , 4. , 0.5])
     """
@@ -116,12 +136,17 @@ def rotate_resultants(rows: ArrayLike, angle: ArrayLike) -> Floats:
 def own_motion(R: Floats, heights: Floats) -> Floats:
     """Motion of the corners of a mean plane from that of the nodes: T [n, 6 k, 6 k].
 
-    R [n, 3, 3] : axes of the elements; heights [n, k] : of the nodes above the mean plane [m], to which arms along the
-    normal join them: u = u_node - z RY, v = v_node + z RX.
-
     Columns: UX UY UZ RX RY RZ of every node in global axes. Rows, in own axes: all w, all beta_x, all beta_y, all u,
     all v, all RZ, with beta_x = RY and beta_y = -RX the lean of the fibres across the plate: shear (w, beta), bending
     (beta) and stretching (u, v, RZ) each have DOFs side by side, and beta bends as u and v stretch.
+
+    Parameters
+    ----------
+    R : Floats [n, 3, 3]
+        Axes of the elements.
+    heights : Floats [n, k]
+        Of the nodes above the mean plane [m], to which arms along the normal join them: u = u_node - z RY, v = v_node +
+        z RX.
     """
     count, nodes = heights.shape
     T = np.zeros((count, 6, nodes, nodes, 2, 3))
@@ -255,7 +280,10 @@ def side_displacements(corners: Floats) -> Floats:
 def side_bows(of_sides: Floats) -> Floats:
     """Deflection w of the middle of each side from beta_x and beta_y at the corners: [2, n, k sides, k corners].
 
-    of_sides : `side_displacements`. The normal of a side in the plane, turned by a right angle, is its direction.
+    Parameters
+    ----------
+    of_sides : Floats
+        `side_displacements`. The normal of a side in the plane, turned by a right angle, is its direction.
     """
     return np.stack([-of_sides[1], of_sides[0]])
 
@@ -287,8 +315,16 @@ def in_plane_rows(at: Floats, of_sides: Floats) -> Floats:
 def in_plane_inertia(products: Floats, of_sides: Floats, m0: Floats, m2: Floats) -> Floats:
     """Mass of u and v and rotary inertia of RZ: [n, 3 k, 3 k] with all u, all v, all RZ, exactly symmetric.
 
-    products [n, 2 k, 2 k] : integrals of products of shape functions [m^2]; of_sides : `side_displacements`; m0, m2 [n]
-    : mass [kg/m^2] and rotary inertia [kg] per area.
+    Parameters
+    ----------
+    products : Floats [n, 2 k, 2 k]
+        Integrals of products of shape functions [m^2].
+    of_sides : Floats
+        `side_displacements`.
+    m0 : Floats [n]
+        Mass [kg/m^2] and rotary inertia [kg] per area.
+    m2 : Floats [n]
+        Mass [kg/m^2] and rotary inertia [kg] per area.
     """
     count = of_sides.shape[-1]
     matrices = np.zeros((len(products), 3, count, 3, count))
@@ -325,7 +361,12 @@ def _in_plane(matrices: Floats, products: Floats, bows: _OfBows, m0: Floats, m2:
 def rows(at: Floats, heights: Floats, of_sides: Floats) -> Floats:
     """Rows of UX UY UZ RX RY RZ in own axes, on the surface through the nodes, from own DOFs: [m, 6, 6 k].
 
-    at [m, 2 k] : shape functions; heights [m, k] : of the nodes above the mean plane [m].
+    Parameters
+    ----------
+    at : Floats [m, 2 k]
+        Shape functions.
+    heights : Floats [m, k]
+        Of the nodes above the mean plane [m].
     """
     count = heights.shape[1]
     here, height = at[:, :count], (at[:, :count] * heights).sum(axis=1)[:, None]
@@ -496,10 +537,21 @@ def gradients(
 ) -> tuple[Floats, Floats, Floats]:
     """Derivatives of functions by x and by y at places of cells, and the areas that a unit of the square has there.
 
-    corners [n, 4, 2]; xi, eta : places, broadcast to [n, g]; of [2, .., k] : derivatives of the functions by xi and by
-    eta there, broadcast to [2, n, g, k].
+    corners [n, 4, 2].
 
-    Returns two arrays [n, g, k], and [n, g], positive whichever way the corners go round.
+    Parameters
+    ----------
+    xi : Floats
+        Places, broadcast to [n, g].
+    eta : Floats
+        Places, broadcast to [n, g].
+    of : Floats | tuple[Floats, Floats] [2, .., k]
+        Derivatives of the functions by xi and by eta there, broadcast to [2, n, g, k].
+
+    Returns
+    -------
+    tuple[Floats, Floats, Floats]
+        Two arrays [n, g, k], and [n, g], positive whichever way the corners go round.
     """
     along_xi, along_eta, twist = (part[:, None] for part in edges(corners))
     by_xi = along_xi + np.asarray(eta)[..., None] * twist

@@ -65,13 +65,25 @@ def stiffness(
 ) -> Floats:
     """Stiffness matrices of frame elements in local axes.
 
-    kind : "euler", "timoshenko" or "timoshenko18"; each of the others [n] or one value: length [m]; E, G moduli [Pa];
-    A area [m^2]; Iy, Iz second moments about local y and z [m^4]; J torsion constant [m^4]; ky, kz shear coefficients,
-    the shear areas along y and z being ky A and kz A (not used by "euler").
+    Parameters
+    ----------
+    kind : str
+        "euler", "timoshenko" or "timoshenko18"; each of the others [n] or one value: length [m]; E, G moduli [Pa]; A
+        area [m^2]; Iy, Iz second moments about local y and z [m^4]; J torsion constant [m^4]; ky, kz shear
+        coefficients, the shear areas along y and z being ky A and kz A (not used by "euler").
 
-    Returns [n, 12, 12] or [n, 18, 18], exactly symmetric, exact for loads at the nodes. Raises InputError for an
-    unknown kind or a value that is not positive.
+    Returns
+    -------
+    Floats
+        [n, 12, 12] or [n, 18, 18], exactly symmetric, exact for loads at the nodes.
 
+    Raises
+    ------
+    InputError
+        For an unknown kind or a value that is not positive.
+
+    Examples
+    --------
     >>> K = stiffness("euler", 2.0, 200e9, 77e9, 1e-4, 1e-9, 1e-9, 2e-9, 1.0, 1.0)
     >>> round(float(K[0, 0, 0] / 200e9 / 1e-4), 12)
     0.5
@@ -155,11 +167,19 @@ def interpolate(
 ) -> Floats:
     """Rows that give UX UY UZ RX RY RZ (local axes) along elements from their local DOFs.
 
-    xi [m] : place from 0 at end i to 1 at end j; the others as `stiffness`, [m] or one value.
+    Parameters
+    ----------
+    xi : ArrayLike [m]
+        Place from 0 at end i to 1 at end j; the others as `stiffness`, [m] or one value.
 
-    Returns [m, 6, 12] or [m, 6, 18]: displacement of the axis and rotation of the cross-section, which for the
-    Timoshenko kinds is not the slope of the axis.
+    Returns
+    -------
+    Floats
+        [m, 6, 12] or [m, 6, 18]: displacement of the axis and rotation of the cross-section, which for the Timoshenko
+        kinds is not the slope of the axis.
 
+    Examples
+    --------
     >>> rows = interpolate("euler", 2.0, [0.5], 1e9, 4e8, 1e-2, 1e-5, 1e-5, 1.0, 1.0)
     >>> rows[0, 1, [1, 5, 7, 11]]
     array([ 0.5 ,  0.25,  0.5 , -0.25])
@@ -198,16 +218,24 @@ def resultants(
 ) -> Floats:
     """Rows that give the section forces N Vy Vz [N] and moments T My Mz [N m] along elements from their local DOFs.
 
-    xi [m] : place from 0 at end i to 1 at end j; the others as `stiffness`, [m] or one value.
+    Parameters
+    ----------
+    xi : ArrayLike [m]
+        Place from 0 at end i to 1 at end j; the others as `stiffness`, [m] or one value.
 
-    Returns [m, 6, 12] or [m, 6, 18]: what acts on the part of the bar before the place, along the local axes: tension
-    is positive, My = E Iy dRY/dx stretches the side of positive z, Mz = E Iz dRZ/dx that of negative y.
+    Returns
+    -------
+    Floats
+        [m, 6, 12] or [m, 6, 18]: what acts on the part of the bar before the place, along the local axes: tension is
+        positive, My = E Iy dRY/dx stretches the side of positive z, Mz = E Iz dRZ/dx that of negative y.
 
     Notes
     -----
     From the strains, with the moduli of the stiffness. Loads at the ends give the exact forces all along; with inertia
     along the bar moments converge with h^2, forces of two-node bars are constant in an element.
 
+    Examples
+    --------
     >>> rows = resultants("euler", 2.0, [0.0], 3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
     >>> tip = np.zeros(12); tip[7] = 1.0  # a cantilever's end moved by 1 and held from turning: 12 EI / L^3
     >>> (rows[0] @ tip)[[1, 5]]

@@ -44,11 +44,24 @@ _DERIVED = np.array(
 def plane_stress(E1: ArrayLike, E2: ArrayLike, nu12: ArrayLike, G12: ArrayLike) -> Floats:
     """Stiffness Q [n, 3, 3] in Pa of layers in plane stress, in their own axes.
 
-    E1, E2 [n] : Young's moduli [Pa]. nu12 [n] : contraction along 2 under stress along 1 [1]. G12 [n] : shear modulus
-    [Pa].
+    Parameters
+    ----------
+    E1 : ArrayLike [n]
+        Young's moduli [Pa].
+    E2 : ArrayLike [n]
+        Young's moduli [Pa].
+    nu12 : ArrayLike [n]
+        Contraction along 2 under stress along 1 [1].
+    G12 : ArrayLike [n]
+        Shear modulus [Pa].
 
-    Raises InputError where nu12^2 >= E1 / E2: it would store a negative energy.
+    Raises
+    ------
+    InputError
+        Where nu12^2 >= E1 / E2: it would store a negative energy.
 
+    Examples
+    --------
     >>> plane_stress(12.0, 3.0, 0.4, 1.0)[0].round(9).tolist()
     [[12.5, 1.25, 0.0], [1.25, 3.125, 0.0], [0.0, 0.0, 1.0]]
     """
@@ -67,8 +80,13 @@ def plane_stress(E1: ArrayLike, E2: ArrayLike, nu12: ArrayLike, G12: ArrayLike) 
 def rotate_stiffness(Q: ArrayLike, angle: ArrayLike) -> Floats:
     """In-plane stiffnesses Q, A, B or D [..., 3, 3] of something whose axis 1 is turned by an angle from x.
 
-    angle [...] : from x to axis 1 about +z [rad].
+    Parameters
+    ----------
+    angle : ArrayLike [...]
+        From x to axis 1 about +z [rad].
 
+    Examples
+    --------
     >>> rotate_stiffness(np.diag([8.0, 2.0, 1.0]), np.pi / 2).round(9).diagonal()
     array([2., 8., 1.])
     """
@@ -130,8 +148,15 @@ def bounds(thickness: ArrayLike) -> Floats:
 def stiffness(Q: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Rigidities A [N/m], B [N], D [N m], each [3, 3], about z = 0.
 
-    Q [n, 3, 3] : of the layers along the plate's axes [Pa]. z [n + 1] : heights of their faces [m].
+    Parameters
+    ----------
+    Q : ArrayLike [n, 3, 3]
+        Of the layers along the plate's axes [Pa].
+    z : ArrayLike [n + 1]
+        Heights of their faces [m].
 
+    Examples
+    --------
     >>> A, B, D = stiffness(np.eye(3)[None], [-1.0, 1.0])
     >>> [round(float(matrix[0, 0]), 9) for matrix in (A, B, D)]
     [2.0, 0.0, 0.666666667]
@@ -171,9 +196,19 @@ def inertia(rho: ArrayLike, z: ArrayLike) -> tuple[float, float, float]:
 def shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0) -> Floats:
     """Transverse shear stiffness As [2, 2] in N/m along the plate's axes, by the energy of the shear stresses.
 
-    Q [n, 3, 3], G [n, 2, 2] : of the layers along the plate's axes [Pa]. z [n + 1] : heights of their faces [m]. axis :
-    direction of the two bendings, the angle of the lowest layer [rad].
+    Parameters
+    ----------
+    Q : ArrayLike [n, 3, 3]
+        Of the layers along the plate's axes [Pa].
+    G : ArrayLike [n, 2, 2]
+        Of the layers along the plate's axes [Pa].
+    z : ArrayLike [n + 1]
+        Heights of their faces [m].
+    axis : float
+        Direction of the two bendings, the angle of the lowest layer [rad].
 
+    Examples
+    --------
     >>> one = plane_stress(12.0, 12.0, 0.0, 6.0)
     >>> shear_stiffness(one, [6.0 * np.eye(2)], [-1.0, 1.0]).round(9).diagonal()  # 5/6 G h
     array([10., 10.])
@@ -184,7 +219,10 @@ def shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0)
 def layer_shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float, of: Integers) -> Floats:
     """Shares [m, 2, 2] of groups of layers in As [N/m], which sum to it: how it grows with all moduli of a group.
 
-    of [n] : the group of every layer, from 0 on; the rest as `shear_stiffness`.
+    Parameters
+    ----------
+    of : Integers [n]
+        The group of every layer, from 0 on; the rest as `shear_stiffness`.
 
     Notes
     -----
@@ -194,6 +232,8 @@ def layer_shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float,
     skins that bend the less the more they shear; that is left out and the rest reduced to As, so that no motion of
     any wavelength is driven.
 
+    Examples
+    --------
     >>> one = plane_stress([12.0] * 2, [12.0] * 2, [0.0] * 2, [6.0] * 2)
     >>> shares = layer_shear_stiffness(one, [6.0 * np.eye(2)] * 2, [-1.0, 0.0, 1.0], 0.0, np.arange(2))
     >>> shares[:, 0, 0].round(9)  # of 5/6 G h = 10
@@ -229,9 +269,19 @@ def shear_shares(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0) ->
 def layer_stresses(Q: ArrayLike, z: ArrayLike, N: ArrayLike, M: ArrayLike) -> Floats:
     """Stresses (sigma_x, sigma_y, tau_xy) [m, n, 2, 3] in Pa at the lower and upper face of every layer.
 
-    Q [n, 3, 3] : of the layers along the plate's axes [Pa]. z [n + 1] : heights of their faces [m]. N [m, 3], M [m, 3]
-    : membrane forces [N/m] and moments [N] per length at m places.
+    Parameters
+    ----------
+    Q : ArrayLike [n, 3, 3]
+        Of the layers along the plate's axes [Pa].
+    z : ArrayLike [n + 1]
+        Heights of their faces [m].
+    N : ArrayLike [m, 3]
+        Membrane forces [N/m] and moments [N] per length at m places.
+    M : ArrayLike [m, 3]
+        Membrane forces [N/m] and moments [N] per length at m places.
 
+    Examples
+    --------
     >>> layer_stresses(np.eye(3)[None], [-1.0, 1.0], [[0.0, 0.0, 0.0]], [[2.0, 0.0, 0.0]])[0, 0, :, 0].round(9)
     array([-3.,  3.])
     """
@@ -246,9 +296,17 @@ def layer_stresses(Q: ArrayLike, z: ArrayLike, N: ArrayLike, M: ArrayLike) -> Fl
 def shear_stresses(Q: ArrayLike, z: ArrayLike, V: ArrayLike, share: ArrayLike) -> Floats:
     """Transverse shear stresses (tau_xz, tau_yz) [m, n, k, 2] in Pa that equilibrium asks for.
 
-    Q, z as `layer_stresses`; V [m, 2] : shear forces per length [N/m]; share [k] : heights in every layer, 0 for its
-    lower face to 1 for its upper one.
+    Q, z as `layer_stresses`.
 
+    Parameters
+    ----------
+    V : ArrayLike [m, 2]
+        Shear forces per length [N/m].
+    share : ArrayLike [k]
+        Heights in every layer, 0 for its lower face to 1 for its upper one.
+
+    Examples
+    --------
     >>> shear_stresses(np.eye(3)[None], [-1.0, 1.0], [[4.0, 0.0]], [0.0, 0.5, 1.0])[0, 0, :, 0].round(9) + 0.0
     array([0., 3., 0.])
     """
@@ -271,8 +329,15 @@ def free_to_stretch(A: ArrayLike, B: ArrayLike, D: ArrayLike) -> Floats:
 
 def with_slip(Q: ArrayLike, z: ArrayLike, bond: float) -> tuple[Floats, Floats, Floats]:
     """Rigidities B [N], D [N m], each [3, 3], of layers that slip on each other, and the share [n] of every layer in
-    the energy of bending; each layer bends about its own middle. bond : share of the way to layers without slip [1].
+    the energy of bending; each layer bends about its own middle.
 
+    Parameters
+    ----------
+    bond : float
+        Share of the way to layers without slip [1].
+
+    Examples
+    --------
     >>> _, D, _ = with_slip(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 0.0)
     >>> float(D[0, 0]), float(with_slip(np.array([12.0 * np.eye(3)] * 2), [-1.0, 0.0, 1.0], 1.0)[1][0, 0])  # 2 D, 8 D
     (2.0, 8.0)

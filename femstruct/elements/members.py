@@ -49,13 +49,28 @@ PARALLEL: Final = 1e-6
 def directions(start: ArrayLike, end: ArrayLike, orientation: ArrayLike | None = None) -> Floats:
     """Local axes of members from their ends.
 
-    start, end [n, 3] : [m]; orientation [n, 3] or [3] : a vector the local z axis comes as near to as it can, standing
-    at a right angle to the member; None means global z, or global x for members within `VERTICAL` of vertical.
+    Parameters
+    ----------
+    start : ArrayLike [n, 3]
+        [m].
+    end : ArrayLike [n, 3]
+        [m].
+    orientation : ArrayLike | None [n, 3] or [3]
+        A vector the local z axis comes as near to as it can, standing at a right angle to the member; None means global
+        z, or global x for members within `VERTICAL` of vertical.
 
-    Returns R [n, 3, 3]: rows are local x (from start to end), y and z in global components, a right-handed set.
+    Returns
+    -------
+    Floats
+        R [n, 3, 3]: rows are local x (from start to end), y and z in global components, a right-handed set.
 
-    Raises InputError for a member without length and for an orientation parallel to its member.
+    Raises
+    ------
+    InputError
+        For a member without length and for an orientation parallel to its member.
 
+    Examples
+    --------
     >>> R = directions([[0, 0, 0]], [[0, 2, 0]])
     >>> bool(np.allclose(R, [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
     True
@@ -105,10 +120,15 @@ def to_global(matrix: ArrayLike, R: ArrayLike) -> Floats:
 def rigid_arms(*arms: ArrayLike) -> Floats:
     """Motion of the flexible part of an element from that of its nodes: [n, 12, 12] for two, [n, 18, 18] for three.
 
-    arms : for every node in turn the rigid arm from it to the flexible part [n, 3] [m], global axes.
-
     The end of an arm moves by u + r x arm and turns with the node.
 
+    Parameters
+    ----------
+    arms : ArrayLike
+        For every node in turn the rigid arm from it to the flexible part [n, 3] [m], global axes.
+
+    Examples
+    --------
     >>> rigid_arms([[0, 2.0, 3.0]], [[0, 0, 0]])[0, 0, :6]
     array([ 1.,  0.,  0.,  0.,  3., -2.])
     """
@@ -125,7 +145,10 @@ def rigid_arms(*arms: ArrayLike) -> Floats:
 def with_offsets(matrix: ArrayLike, *arms: ArrayLike) -> Floats:
     """Element matrices [n, nd, nd] in global axes, carried from the flexible part to nodes at the foot of rigid arms.
 
-    arms : for every node in turn the arm from it to the flexible part [n, 3] [m], global axes.
+    Parameters
+    ----------
+    arms : ArrayLike
+        For every node in turn the arm from it to the flexible part [n, 3] [m], global axes.
 
     Notes
     -----

@@ -73,13 +73,29 @@ def rectangle(a: ArrayLike, b: ArrayLike) -> Floats:
 def stiffness(xy: ArrayLike, A: ArrayLike, drilling: float = 1.0, share: ArrayLike | None = None) -> Floats:
     """Stiffness matrices of membrane cells.
 
-    xy [n, 4, 2] : corners [m]; A [3, 3] or [n, 3, 3] : membrane stiffness [N/m] in (Nx, Ny, Nxy) = A (u_x, v_y, u_y +
-    v_x); drilling : factor on the stiffness A66 that ties RZ to the rotation of the displacements; share : a part of A,
-    as of some layers, whose part of the energy is wanted.
+    Parameters
+    ----------
+    xy : ArrayLike [n, 4, 2]
+        Corners [m].
+    A : ArrayLike [3, 3] or [n, 3, 3]
+        Membrane stiffness [N/m] in (Nx, Ny, Nxy) = A (u_x, v_y, u_y + v_x).
+    drilling : float
+        Factor on the stiffness A66 that ties RZ to the rotation of the displacements.
+    share : ArrayLike | None
+        A part of A, as of some layers, whose part of the energy is wanted.
 
-    Returns [n, 12, 12], DOFs u v RZ at every corner, exactly symmetric. Raises InputError for a cell that is not
-    convex and for an A that is not symmetric.
+    Returns
+    -------
+    Floats
+        [n, 12, 12], DOFs u v RZ at every corner, exactly symmetric.
 
+    Raises
+    ------
+    InputError
+        For a cell that is not convex and for an A that is not symmetric.
+
+    Examples
+    --------
     >>> A = np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
     >>> K = stiffness(rectangle(2.0, 1.0), A)
     >>> stretch = np.array([0, 0, 0, 0, 0, 0, 2, 0, 0, 2, 0, 0])  # u = x
@@ -94,12 +110,20 @@ def stiffness(xy: ArrayLike, A: ArrayLike, drilling: float = 1.0, share: ArrayLi
 def mass(xy: ArrayLike, m0: ArrayLike, m2: ArrayLike) -> Floats:
     """Consistent mass matrices of membrane cells, exactly integrated.
 
-    xy [n, 4, 2] : corners [m]; m0 [n] or one value : mass per area [kg/m^2]; m2 [n] or one value : rotary inertia of RZ
-    per area [kg], rho t^3 / 12 of a plate. Both may be zero.
+    Parameters
+    ----------
+    xy : ArrayLike [n, 4, 2]
+        Corners [m]; m0 [n] or one value : mass per area [kg/m^2]; m2 [n] or one value : rotary inertia of RZ per area
+        [kg], rho t^3 / 12 of a plate. Both may be zero.
 
-    Returns [n, 12, 12], exactly symmetric. The displacements are those of `interpolate`, without the bubble. Where m2
-    is zero, equal RZ at all corners have no mass.
+    Returns
+    -------
+    Floats
+        [n, 12, 12], exactly symmetric. The displacements are those of `interpolate`, without the bubble. Where m2 is
+        zero, equal RZ at all corners have no mass.
 
+    Examples
+    --------
     >>> M = mass(rectangle(2.0, 1.0), 10.0, 0.0)
     >>> along_x = np.tile([1.0, 0.0, 0.0], 4)
     >>> round(float(along_x @ M[0] @ along_x), 12)
@@ -113,10 +137,22 @@ def mass(xy: ArrayLike, m0: ArrayLike, m2: ArrayLike) -> Floats:
 def interpolate(xy: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     """Rows that give u, v and RZ at places of cells from the DOFs of the cells.
 
-    xy [m, 4, 2] : corners of the cell of each place [m]; xi, eta [m] : place in it, 0 to 1.
+    Parameters
+    ----------
+    xy : ArrayLike [m, 4, 2]
+        Corners of the cell of each place [m].
+    xi : ArrayLike [m]
+        Place in it, 0 to 1.
+    eta : ArrayLike [m]
+        Place in it, 0 to 1.
 
-    Returns [m, 3, 12].
+    Returns
+    -------
+    Floats
+        [m, 3, 12].
 
+    Examples
+    --------
     >>> rows = interpolate(rectangle(2.0, 1.0), [0.5], [0.0])
     >>> rows[0, 1, [2, 11]]  # the side from corner 0 to corner 3 bends as a beam: v = L / 8 (RZ0 - RZ3)
     array([ 0.25, -0.25])
@@ -128,9 +164,17 @@ def interpolate(xy: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
 def resultants(xy: ArrayLike, xi: ArrayLike, eta: ArrayLike, A: ArrayLike) -> Floats:
     """Rows that give the membrane forces (Nx, Ny, Nxy) per length [N/m] at places of cells from the DOFs of the cells.
 
-    Arguments as `interpolate`; A [3, 3] or [m, 3, 3] : the membrane stiffness given to `stiffness` [N/m].
+    Arguments as `interpolate`.
 
-    Returns [m, 3, 12]; positive Nx is tension. The bubble's share is included.
+    Parameters
+    ----------
+    A : ArrayLike [3, 3] or [m, 3, 3]
+        The membrane stiffness given to `stiffness` [N/m].
+
+    Returns
+    -------
+    Floats
+        [m, 3, 12]; positive Nx is tension. The bubble's share is included.
     """
     corners, rigidity = cells(xy), symmetric_rigidity("A", A)
     there = strains_at(corners, xi, eta)

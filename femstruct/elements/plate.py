@@ -66,10 +66,20 @@ def dofs_per_node(kind: str) -> int:
 def rigidity(E: float, nu: float, thickness: float) -> Floats:
     """Bending rigidity D [3, 3] in N m of an isotropic plate: (Mx, My, Mxy) = -D (w_xx, w_yy, 2 w_xy).
 
-    E : Young's modulus [Pa]; nu : Poisson's ratio, between -1 and 0.5; thickness [m].
+    Parameters
+    ----------
+    E : float
+        Young's modulus [Pa].
+    nu : float
+        Poisson's ratio, between -1 and 0.5; thickness [m].
 
-    Raises InputError for values without a positive definite rigidity.
+    Raises
+    ------
+    InputError
+        For values without a positive definite rigidity.
 
+    Examples
+    --------
     >>> rigidity(12.0, 0.0, 1.0).diagonal()
     array([1. , 1. , 0.5])
     """
@@ -84,15 +94,33 @@ def rigidity(E: float, nu: float, thickness: float) -> Floats:
 def stiffness(kind: str, a: ArrayLike, b: ArrayLike, D: ArrayLike) -> Floats:
     """Stiffness matrices of plate cells, exactly integrated.
 
-    kind : one of KINDS; a, b [n] : sizes along the plate's x and y [m]; D [3, 3] or [n, 3, 3] : rigidity [N m].
+    Parameters
+    ----------
+    kind : str
+        One of KINDS.
+    a : ArrayLike [n]
+        Sizes along the plate's x and y [m].
+    b : ArrayLike [n]
+        Sizes along the plate's x and y [m].
+    D : ArrayLike [3, 3] or [n, 3, 3]
+        Rigidity [N m].
 
-    Returns [n, nd, nd], nd = 12 or 16, exactly symmetric. Raises InputError for an unknown kind, sizes that are not
-    positive, or a D that is not symmetric.
+    Returns
+    -------
+    Floats
+        [n, nd, nd], nd = 12 or 16, exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        For an unknown kind, sizes that are not positive, or a D that is not symmetric.
 
     Notes
     -----
     The moments follow from the same D (`moments`). hermite12 is too stiff in twist at any mesh size.
 
+    Examples
+    --------
     >>> K = stiffness("bfs16", [0.1, 0.2], [0.1, 0.1], rigidity(5.9e9, 0.35, 0.005))
     >>> K.shape
     (2, 16, 16)
@@ -106,15 +134,27 @@ def stiffness(kind: str, a: ArrayLike, b: ArrayLike, D: ArrayLike) -> Floats:
 def mass(kind: str, a: ArrayLike, b: ArrayLike, mass_per_area: ArrayLike) -> Floats:
     """Consistent mass matrices of plate cells, exactly integrated.
 
-    kind : one of KINDS; a, b [n] : sizes [m]; mass_per_area [n] or one value [kg/m^2], zero allowed.
+    Parameters
+    ----------
+    kind : str
+        One of KINDS.
+    a : ArrayLike [n]
+        Sizes [m]; mass_per_area [n] or one value [kg/m^2], zero allowed.
+    b : ArrayLike [n]
+        Sizes [m]; mass_per_area [n] or one value [kg/m^2], zero allowed.
 
-    Returns [n, nd, nd], exactly symmetric.
+    Returns
+    -------
+    Floats
+        [n, nd, nd], exactly symmetric.
 
     Notes
     -----
     Inertia of the translation w only. The rotary inertia of the cross-section, of relative size
     (pi t / wavelength)^2 / 3, is left out, as in Kirchhoff's theory.
 
+    Examples
+    --------
     >>> M = mass("acm12", [0.1], [0.2], 10.0)
     >>> translation = np.tile([1.0, 0.0, 0.0], 4)
     >>> round(float(translation @ M[0] @ translation), 12)
@@ -128,10 +168,26 @@ def mass(kind: str, a: ArrayLike, b: ArrayLike, mass_per_area: ArrayLike) -> Flo
 def interpolate(kind: str, a: ArrayLike, b: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     """Rows that give w, RX, RY and TWIST at points of cells from the DOFs of the cells.
 
-    kind : one of KINDS; a, b [m] : sizes of the cell of each point [m]; xi, eta [m] : place in it, 0 to 1.
+    Parameters
+    ----------
+    kind : str
+        One of KINDS.
+    a : ArrayLike [m]
+        Sizes of the cell of each point [m].
+    b : ArrayLike [m]
+        Sizes of the cell of each point [m].
+    xi : ArrayLike [m]
+        Place in it, 0 to 1.
+    eta : ArrayLike [m]
+        Place in it, 0 to 1.
 
-    Returns [m, 4, nd]: w, RX = +dw/dy, RY = -dw/dx, TWIST = d2w/dxdy.
+    Returns
+    -------
+    Floats
+        [m, 4, nd]: w, RX = +dw/dy, RY = -dw/dx, TWIST = d2w/dxdy.
 
+    Examples
+    --------
     >>> rows = interpolate("hermite12", [0.1], [0.2], [0.0], [1.0])
     >>> rows[0, 1].nonzero()[0]
     array([4])
@@ -146,9 +202,17 @@ def interpolate(kind: str, a: ArrayLike, b: ArrayLike, xi: ArrayLike, eta: Array
 def moments(kind: str, a: ArrayLike, b: ArrayLike, xi: ArrayLike, eta: ArrayLike, D: ArrayLike) -> Floats:
     """Rows that give the moments (Mx, My, Mxy) per length [N] at points of cells from the DOFs of the cells.
 
-    Arguments as `interpolate`; D [3, 3] or [m, 3, 3] : the rigidity the stiffness was made with [N m].
+    Arguments as `interpolate`.
 
-    Returns [m, 3, nd]: M = -D (w_xx, w_yy, 2 w_xy), so a positive Mx stretches the side of positive z.
+    Parameters
+    ----------
+    D : ArrayLike [3, 3] or [m, 3, 3]
+        The rigidity the stiffness was made with [N m].
+
+    Returns
+    -------
+    Floats
+        [m, 3, nd]: M = -D (w_xx, w_yy, 2 w_xy), so a positive Mx stretches the side of positive z.
     """
     a, b = _sizes(a, b)
     scale = np.stack([1.0 / a**2, 1.0 / b**2, 2.0 / (a * b)], axis=1)
@@ -160,9 +224,16 @@ def moments(kind: str, a: ArrayLike, b: ArrayLike, xi: ArrayLike, eta: ArrayLike
 def twist_excess(beta: ArrayLike, nu: ArrayLike) -> Floats:
     """Relative excess eps of the twist stiffness of hermite12 cells: D66 = (1 + eps) D (1 - nu) / 2.
 
-    beta : b / a of the cell; nu : Poisson's ratio. Exact for the energy of w = x y in one cell, and the limit under
-    refinement: eps = ((beta^2 + beta^-2) / 35 + 1 / 25) / (1 - nu).
+    Parameters
+    ----------
+    beta : ArrayLike
+        B / a of the cell.
+    nu : ArrayLike
+        Poisson's ratio. Exact for the energy of w = x y in one cell, and the limit under refinement: eps = ((beta^2 +
+        beta^-2) / 35 + 1 / 25) / (1 - nu).
 
+    Examples
+    --------
     >>> round(float(twist_excess(1.0, 0.3)), 4)
     0.1388
     """

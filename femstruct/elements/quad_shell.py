@@ -67,7 +67,14 @@ N_SHEAR: Final = 12
 def shear_rows(corners: Floats, xi: Floats, eta: Floats) -> tuple[Floats, Floats]:
     """Rows of the shear strains from all w, all beta_x, all beta_y, and areas: [n, g, 2, 12] and [n, g].
 
-    corners [n, 4, 2]; xi, eta : places as `femstruct.elements.flat_elements.gradients` takes them.
+    corners [n, 4, 2].
+
+    Parameters
+    ----------
+    xi : Floats
+        Places as `femstruct.elements.flat_elements.gradients` takes them.
+    eta : Floats
+        Places as `femstruct.elements.flat_elements.gradients` takes them.
     """
     xi, eta = np.asarray(xi)[..., None], np.asarray(eta)[..., None]
     first, second, third, last = np.moveaxis(side_shears(corners), 1, 0)[:, :, None]
@@ -99,14 +106,35 @@ def stiffness(
 ) -> Floats:
     """Stiffness matrices of shell elements in global axes.
 
-    corners [n, 4, 3] : places of the nodes [m]; A, B, D [3, 3] or [n, 3, 3] : membrane [N/m], coupling [N] and bending
-    [N m] rigidity; As [2, 2] or [n, 2, 2] : transverse shear rigidity [N/m], its shear correction included; all in the
-    axes of each element. drilling : factor on the stiffness A66 that ties RZ to the rotation of the displacements.
-    share : a part (A, B, D, As) of the rigidities, as of some layers, whose part of the energy is wanted.
+    Parameters
+    ----------
+    corners : ArrayLike [n, 4, 3]
+        Places of the nodes [m].
+    A : ArrayLike [3, 3] or [n, 3, 3]
+        Membrane [N/m], coupling [N] and bending [N m] rigidity.
+    B : ArrayLike [3, 3] or [n, 3, 3]
+        Membrane [N/m], coupling [N] and bending [N m] rigidity.
+    D : ArrayLike [3, 3] or [n, 3, 3]
+        Membrane [N/m], coupling [N] and bending [N m] rigidity.
+    As : ArrayLike [2, 2] or [n, 2, 2]
+        Transverse shear rigidity [N/m], its shear correction included; all in the axes of each element.
+    drilling : float
+        Factor on the stiffness A66 that ties RZ to the rotation of the displacements.
+    share : Rigidities | None
+        A part (A, B, D, As) of the rigidities, as of some layers, whose part of the energy is wanted.
 
-    Returns [n, 24, 24], exactly symmetric. Raises InputError for a cell that is not convex and for rigidities that are
-    not symmetric or not finite.
+    Returns
+    -------
+    Floats
+        [n, 24, 24], exactly symmetric.
 
+    Raises
+    ------
+    InputError
+        For a cell that is not convex and for rigidities that are not symmetric or not finite.
+
+    Examples
+    --------
     >>> t, A = 0.1, np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
     >>> square = [[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]
     >>> K = stiffness(square, t * A, 0 * A, t**3 / 12 * A, 5 / 6 * t * 0.35 * np.eye(2))
@@ -121,12 +149,20 @@ def stiffness(
 def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Floats:
     """Consistent mass matrices of shell elements in global axes, exactly integrated.
 
-    corners [n, 4, 3] : places of the nodes [m]; m0, m1, m2 [n] or one value : integrals of rho, rho z and rho z^2 over
-    the thickness [kg/m^2, kg/m, kg]; for one material rho t, 0 and rho t^3 / 12.
+    Parameters
+    ----------
+    corners : ArrayLike [n, 4, 3]
+        Places of the nodes [m]; m0, m1, m2 [n] or one value : integrals of rho, rho z and rho z^2 over the thickness
+        [kg/m^2, kg/m, kg]; for one material rho t, 0 and rho t^3 / 12.
 
-    Returns [n, 24, 24], exactly symmetric. u, v and w bow along the sides with the rotations at their ends; m2
-    acts on RX, RY and RZ.
+    Returns
+    -------
+    Floats
+        [n, 24, 24], exactly symmetric. u, v and w bow along the sides with the rotations at their ends; m2 acts on RX,
+        RY and RZ.
 
+    Examples
+    --------
     >>> M = mass([[[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]], 10.0, 0.0, 0.0)
     >>> along_z = np.tile([0, 0, 1.0, 0, 0, 0], 4)
     >>> round(float(along_z @ M[0] @ along_z), 12)
@@ -139,10 +175,22 @@ def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Flo
 def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     """Rows that give UX UY UZ RX RY RZ at places of elements from their DOFs, all in global axes.
 
-    corners [m, 4, 3] : nodes of the element of each place [m]; xi, eta [m] : place in it, 0 to 1.
+    Parameters
+    ----------
+    corners : ArrayLike [m, 4, 3]
+        Nodes of the element of each place [m].
+    xi : ArrayLike [m]
+        Place in it, 0 to 1.
+    eta : ArrayLike [m]
+        Place in it, 0 to 1.
 
-    Returns [m, 6, 24]: the motion of the surface through the nodes.
+    Returns
+    -------
+    Floats
+        [m, 6, 24]: the motion of the surface through the nodes.
 
+    Examples
+    --------
     >>> rows = interpolate([[[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]], [1.0], [0.0])
     >>> rows[0].nonzero()[1].tolist()  # corner 3
     [18, 19, 20, 21, 22, 23]

@@ -44,8 +44,20 @@ from femstruct.errors import InputError
 def isotropic(E: float, nu: float) -> Floats:
     """Stresses [6, 6] in Pa of unit strains of an isotropic solid; shear strains twice the tensor's.
 
-    E : Young's modulus [Pa]; nu : Poisson's ratio, between -1 and 0.5. Raises InputError for others.
+    Parameters
+    ----------
+    E : float
+        Young's modulus [Pa].
+    nu : float
+        Poisson's ratio, between -1 and 0.5.
 
+    Raises
+    ------
+    InputError
+        For others.
+
+    Examples
+    --------
     >>> isotropic(2.0, 0.0).diagonal()
     array([2., 2., 2., 1., 1., 1.])
     """
@@ -62,9 +74,17 @@ def isotropic(E: float, nu: float) -> Floats:
 def compliance(E: Sequence[float], G: Sequence[float], nu: Sequence[float]) -> Floats:
     """Strains [6, 6] in 1/Pa of unit stresses, shear strains twice the tensor's.
 
-    E : (Ex, Ey, Ez) [Pa]. G : (Gxy, Gyz, Gzx) [Pa]. nu : (nuxy, nuyz, nuzx) [1], nuij being the contraction along j
-    under stress along i; nuij / Ei = nuji / Ej.
+    Parameters
+    ----------
+    E : Sequence[float]
+        (Ex, Ey, Ez) [Pa].
+    G : Sequence[float]
+        (Gxy, Gyz, Gzx) [Pa].
+    nu : Sequence[float]
+        (nuxy, nuyz, nuzx) [1], nuij being the contraction along j under stress along i; nuij / Ei = nuji / Ej.
 
+    Examples
+    --------
     >>> compliance((2.0, 1.0, 1.0), (1.0, 1.0, 4.0), (0.5, 0.0, 0.0))[:2, :2].tolist()
     [[0.5, -0.25], [-0.25, 1.0]]
     """
@@ -247,15 +267,29 @@ def least_sizes(kind: str, nodes: ArrayLike) -> Floats:
 def stiffness(kind: str, nodes: ArrayLike, C: ArrayLike) -> Floats:
     """Stiffness matrices of solid cells.
 
-    kind : one of KINDS; nodes [n, k, 3] [m]; C [6, 6] or [n, 6, 6] : elasticity [Pa], symmetric, global axes.
+    Parameters
+    ----------
+    kind : str
+        One of KINDS; nodes [n, k, 3] [m].
+    C : ArrayLike [6, 6] or [n, 6, 6]
+        Elasticity [Pa], symmetric, global axes.
 
-    Returns [n, 3 k, 3 k], exactly symmetric. Raises InputError for cells of another shape than the kind's, for cells
-    turned inside out, and for a C that is not symmetric.
+    Returns
+    -------
+    Floats
+        [n, 3 k, 3 k], exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        For cells of another shape than the kind's, for cells turned inside out, and for a C that is not symmetric.
 
     Notes
     -----
     Integrated exactly for cells with straight edges and parallel faces. tet4 is many times too stiff in bending.
 
+    Examples
+    --------
     >>> from femstruct.elements.solid import isotropic
     >>> from femstruct.elements.solid import reference_nodes
     >>> unit = reference_nodes("hex8")[None]
@@ -276,10 +310,18 @@ def stiffness(kind: str, nodes: ArrayLike, C: ArrayLike) -> Floats:
 def mass(kind: str, nodes: ArrayLike, rho: ArrayLike) -> Floats:
     """Consistent mass matrices of solid cells.
 
-    kind : one of KINDS; nodes [n, k, 3] [m]; rho [n] or one value [kg/m^3], zero allowed.
+    Parameters
+    ----------
+    kind : str
+        One of KINDS; nodes [n, k, 3] [m]; rho [n] or one value [kg/m^3], zero allowed.
 
-    Returns [n, 3 k, 3 k], exactly symmetric.
+    Returns
+    -------
+    Floats
+        [n, 3 k, 3 k], exactly symmetric.
 
+    Examples
+    --------
     >>> from femstruct.elements.solid import reference_nodes
     >>> M = mass("tet10", 2.0 * reference_nodes("tet10")[None], 3.0)
     >>> round(float(M[0, ::3, ::3].sum()), 9)  # 3 times a sixth of 8
@@ -301,14 +343,27 @@ def mass(kind: str, nodes: ArrayLike, rho: ArrayLike) -> Floats:
 def stresses(kind: str, nodes: ArrayLike, at: ArrayLike, C: ArrayLike) -> Floats:
     """Rows [m, 6, 3 k] that give the stresses xx yy zz xy yz zx [Pa] at places of cells from the DOFs of the cells.
 
-    nodes [m, k, 3] : the cell of each place [m]; at [m, 3] : the place in its reference cell; C [6, 6] or [m, 6, 6] :
-    the elasticity the stiffness was made with. Raises InputError as `stiffness`.
+    Parameters
+    ----------
+    nodes : ArrayLike [m, k, 3]
+        The cell of each place [m].
+    at : ArrayLike [m, 3]
+        The place in its reference cell.
+    C : ArrayLike [6, 6] or [m, 6, 6]
+        The elasticity the stiffness was made with.
+
+    Raises
+    ------
+    InputError
+        As `stiffness`.
 
     Notes
     -----
     With the incompatible modes of hex8. Stresses are one order less exact than displacements, and best at the points
     of the quadrature of the next lower order: in the middle of linear cells, at the 2 x 2 x 2 points of quadratic ones.
 
+    Examples
+    --------
     >>> from femstruct.elements.solid import isotropic
     >>> from femstruct.elements.solid import reference_nodes
     >>> unit = reference_nodes("hex8")[None]

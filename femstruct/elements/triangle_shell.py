@@ -58,8 +58,14 @@ _TURNED: Final = [2, 0, 1]
 def strain_rows(corners: Floats, areas: Floats, A: Floats, at: Floats) -> Floats:
     """Rows of (u_x, v_y, u_y + v_x) at places from all u, all v, all RZ: [n, g, 3, 9].
 
-    corners [n, 3, 2] : counterclockwise; areas [n]; A [3, 3] or [n, 3, 3] : membrane stiffness, whose Poisson's ratio
-    sets the size of the linear part; at [n, g, 3] : shares of the corners.
+    Parameters
+    ----------
+    corners : Floats [n, 3, 2]
+        Counterclockwise; areas [n].
+    A : Floats [3, 3] or [n, 3, 3]
+        Membrane stiffness, whose Poisson's ratio sets the size of the linear part.
+    at : Floats [n, g, 3]
+        Shares of the corners.
     """
     shares = np.sqrt(2.25 * linear_factor(A))
     linear = np.einsum("ngc,ncij->ngij", at, _natural(corners, areas)) * np.reshape(shares, (-1, 1, 1, 1))
@@ -145,8 +151,16 @@ N_BENDING: Final = 9
 def bending_rows(corners: Floats, areas: Floats, D: Floats, As: Floats, at: Floats) -> tuple[Floats, Floats]:
     """Rows of the curvatures [n, g, 3, 9] and of the shear strains [n, g, 2, 9] at places, from all w, beta_x, beta_y.
 
-    corners [n, 3, 2] : counterclockwise; areas [n]; D [3, 3] or [n, 3, 3], As [2, 2] or [n, 2, 2] : bending and shear
-    rigidities, whose ratio says how much of a side's motion is shear; at [n, g, 3] : shares of the corners.
+    Parameters
+    ----------
+    corners : Floats [n, 3, 2]
+        Counterclockwise; areas [n].
+    D : Floats [3, 3] or [n, 3, 3]
+        Bending and shear rigidities, whose ratio says how much of a side's motion is shear.
+    As : Floats [2, 2] or [n, 2, 2]
+        Bending and shear rigidities, whose ratio says how much of a side's motion is shear.
+    at : Floats [n, g, 3]
+        Shares of the corners.
     """
     sides = np.roll(corners, -1, axis=1) - corners
     length = np.linalg.norm(sides, axis=2)
@@ -206,19 +220,38 @@ def stiffness(
 ) -> Floats:
     """Stiffness matrices of triangular shell elements in global axes.
 
-    corners [n, 3, 3] : places of the nodes [m]; A, B, D [3, 3] or [n, 3, 3] : membrane [N/m], coupling [N] and bending
-    [N m] rigidity; As [2, 2] or [n, 2, 2] : transverse shear rigidity [N/m], its shear correction included; all in the
-    axes of each element. share : a part (A, B, D, As) of the rigidities, as of some layers, whose part of the energy is
-    wanted.
+    Parameters
+    ----------
+    corners : ArrayLike [n, 3, 3]
+        Places of the nodes [m].
+    A : ArrayLike [3, 3] or [n, 3, 3]
+        Membrane [N/m], coupling [N] and bending [N m] rigidity.
+    B : ArrayLike [3, 3] or [n, 3, 3]
+        Membrane [N/m], coupling [N] and bending [N m] rigidity.
+    D : ArrayLike [3, 3] or [n, 3, 3]
+        Membrane [N/m], coupling [N] and bending [N m] rigidity.
+    As : ArrayLike [2, 2] or [n, 2, 2]
+        Transverse shear rigidity [N/m], its shear correction included; all in the axes of each element.
+    share : Rigidities | None
+        A part (A, B, D, As) of the rigidities, as of some layers, whose part of the energy is wanted.
 
-    Returns [n, 18, 18], exactly symmetric. Raises InputError for elements without area and for rigidities that are not
-    symmetric or not finite.
+    Returns
+    -------
+    Floats
+        [n, 18, 18], exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        For elements without area and for rigidities that are not symmetric or not finite.
 
     Notes
     -----
     The strains that OPT assumes, a mean and a part linear in the cell, give its stiffness when their energy is summed
     at the middles of the sides; B couples them there to the curvatures.
 
+    Examples
+    --------
     >>> t, A = 0.1, np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 0.35]])
     >>> K = stiffness([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], t * A, 0 * A, t**3 / 12 * A, 5 / 6 * t * 0.35 * np.eye(2))
     >>> K.shape, int((np.linalg.eigvalsh(K[0]) < 1e-12).sum())  # six rigid motions
@@ -232,12 +265,20 @@ def stiffness(
 def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Floats:
     """Consistent mass matrices of triangular shell elements in global axes, exactly integrated.
 
-    corners [n, 3, 3] : places of the nodes [m]; m0, m1, m2 [n] or one value : integrals of rho, rho z and rho z^2 over
-    the thickness [kg/m^2, kg/m, kg].
+    Parameters
+    ----------
+    corners : ArrayLike [n, 3, 3]
+        Places of the nodes [m]; m0, m1, m2 [n] or one value : integrals of rho, rho z and rho z^2 over the thickness
+        [kg/m^2, kg/m, kg].
 
-    Returns [n, 18, 18], exactly symmetric. u, v and w bow along the sides with the rotations at their ends, which are
-    linear; m2 acts on RX, RY and RZ.
+    Returns
+    -------
+    Floats
+        [n, 18, 18], exactly symmetric. u, v and w bow along the sides with the rotations at their ends, which are
+        linear; m2 acts on RX, RY and RZ.
 
+    Examples
+    --------
     >>> M = mass([[[0, 0, 0], [2, 0, 0], [0, 1, 0]]], 10.0, 0.0, 0.0)
     >>> along_x = np.tile([1.0, 0, 0, 0, 0, 0], 3)
     >>> round(float(along_x @ M[0] @ along_x), 12)
@@ -250,10 +291,22 @@ def mass(corners: ArrayLike, m0: ArrayLike, m1: ArrayLike, m2: ArrayLike) -> Flo
 def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     """Rows that give UX UY UZ RX RY RZ at places of elements from their DOFs, all in global axes.
 
-    corners [m, 3, 3] : nodes of the element of each place [m]; xi, eta [m] : place in it, 0 to 1, xi + eta at most 1.
+    Parameters
+    ----------
+    corners : ArrayLike [m, 3, 3]
+        Nodes of the element of each place [m].
+    xi : ArrayLike [m]
+        Place in it, 0 to 1, xi + eta at most 1.
+    eta : ArrayLike [m]
+        Place in it, 0 to 1, xi + eta at most 1.
 
-    Returns [m, 6, 18].
+    Returns
+    -------
+    Floats
+        [m, 6, 18].
 
+    Examples
+    --------
     >>> interpolate([[[0, 0, 0], [2, 0, 0], [0, 1, 0]]], [0.0], [1.0])[0].nonzero()[1].tolist()  # corner 2
     [12, 13, 14, 15, 16, 17]
     """

@@ -151,9 +151,15 @@ def weighting_at(weighting: Weighting, frequency_hz: Floats) -> Complexes:
 def perceived(values: Floats, sampling: float, weighting: Weighting, channel: str = "") -> Perceived:
     """How strongly people feel a history.
 
-    values [nt] : velocity [m/s] for KB, else acceleration [m/s^2], from rest; sampling [Hz], 2 kHz or more.
+    Parameters
+    ----------
+    values : Floats [nt]
+        Velocity [m/s] for KB, else acceleration [m/s^2], from rest; sampling [Hz], 2 kHz or more.
 
-    Raises InputError for a lower sampling.
+    Raises
+    ------
+    InputError
+        For a lower sampling.
 
     Notes
     -----
@@ -164,6 +170,8 @@ def perceived(values: Floats, sampling: float, weighting: Weighting, channel: st
     with fewer samples are interpolated. What is asked of a day or a night (KB_FTr, eVDV) needs how often the impact
     comes, and is not here.
 
+    Examples
+    --------
     A steady 10 Hz of 1 mm/s (peak): .707 / sqrt(1 + .56^2), and 3 % for the ripple of the running mean:
 
     >>> t = np.arange(40_000) / 10e3

@@ -135,10 +135,19 @@ def shock_spectrum(
 ) -> ShockSpectrum:
     """The shock response spectrum of an acceleration.
 
-    acceleration [nt] [m/s^2], sampling [Hz]; frequency_hz [n] : natural frequencies of the oscillators, all above 0 and
-    at most a tenth of the sampling. damping_ratio : from 0 to below 1; 0.05 is usual (Q = 10).
+    acceleration [nt] [m/s^2], sampling [Hz].
 
-    Raises InputError for other frequencies and ratios.
+    Parameters
+    ----------
+    frequency_hz : Floats [n]
+        Natural frequencies of the oscillators, all above 0 and at most a tenth of the sampling.
+    damping_ratio : float
+        From 0 to below 1; 0.05 is usual (Q = 10).
+
+    Raises
+    ------
+    InputError
+        For other frequencies and ratios.
 
     Notes
     -----
@@ -146,6 +155,8 @@ def shock_spectrum(
     Smallwood, Shock and Vibration Bulletin 51 (1981) 279-287). The base moves on with no acceleration after the record,
     for one period of each oscillator.
 
+    Examples
+    --------
     A step of 1 m/s^2 makes an undamped oscillator reach twice that, except for what lies between samples:
 
     >>> found = shock_spectrum(np.ones(1000), 1000.0, np.array([5.0, 10.0]), 0.0)

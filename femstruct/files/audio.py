@@ -34,13 +34,24 @@ def write_wav(
     """A history as WAV, with a side-car PATH.json that says what full scale means.
 
     values [nt] in `unit`; sampling [Hz], rounded to whole hertz by the format and refused when that changes it.
-    full_scale : the value that becomes 1.0. Use one for all files that are to be compared by ear.
-    starts : when each of several sounds begins [s], by name, kept beside the scale.
-    form : 32-bit float, which keeps what was computed, or 24-bit integers, which every player knows.
 
-    Raises InputError when a value exceeds full scale (players would clip it), or is not finite, or the sampling is
-    not a whole number of hertz. The side-car is written first: a sound is never there without its scale.
+    Parameters
+    ----------
+    full_scale : float
+        The value that becomes 1.0. Use one for all files that are to be compared by ear.
+    starts : Mapping[str, float] | None
+        When each of several sounds begins [s], by name, kept beside the scale.
+    form : Literal['float32', 'pcm24']
+        32-bit float, which keeps what was computed, or 24-bit integers, which every player knows.
 
+    Raises
+    ------
+    InputError
+        When a value exceeds full scale (players would clip it), or is not finite, or the sampling is not a whole number
+        of hertz. The side-car is written first: a sound is never there without its scale.
+
+    Examples
+    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_wav(Path(folder, "a.wav"), [0.0, 0.5, -1.0], 48000.0, full_scale=2.0)
@@ -96,8 +107,13 @@ def write_sequence(
 ) -> None:
     """Sounds one after the other at one scale, silence of half a second between, to be compared by ear: A, B, ...
 
-    sounds : histories [nt] in `unit` by name; when each begins is in the side-car. Otherwise as `write_wav`.
+    Parameters
+    ----------
+    sounds : Mapping[str, Floats]
+        Histories [nt] in `unit` by name; when each begins is in the side-car. Otherwise as `write_wav`.
 
+    Examples
+    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     both = {"light": np.ones(800), "heavy": np.ones(800)}

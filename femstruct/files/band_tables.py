@@ -33,10 +33,18 @@ class BandValue(NamedTuple):
 def band_of(text: str, in_kilohertz: bool = False) -> float | None:
     """Nominal centre [Hz] of the third octave that a text names; None for other words.
 
-    in_kilohertz : whether plain numbers are in kHz.
+    Parameters
+    ----------
+    in_kilohertz : bool
+        Whether plain numbers are in kHz.
 
-    Raises InputError for a number that is near no nominal centre from 10 Hz to 20 kHz.
+    Raises
+    ------
+    InputError
+        For a number that is near no nominal centre from 10 Hz to 20 kHz.
 
+    Examples
+    --------
     >>> [band_of(text) for text in ("1k", "1,25 kHz", "63 Hz", "1k25", "31.5", "125.89", "T20")]
     [1000.0, 1250.0, 63.0, 1250.0, 31.5, 125.0, None]
     """
@@ -65,11 +73,22 @@ def read_bands(path: Path, dimension: str, sources: dict[str, str], column: str 
     """A table of bands {nominal centre [Hz]: value in SI units, with its line} from a file, as an analyser wrote it.
 
     Bands are in the first column or, beside one another, in a line; lines before them (title, date, device) and totals
-    (A, Lin, Sum) are left out. dimension : of the values, such as "time". column : which of several columns of values,
-    by its name. sources : is given the text of the file under its name.
+    (A, Lin, Sum) are left out.
 
-    Raises InputError for a file that cannot be read, InputErrors with the line for what is wrong in it: no bands, a
-    band that is no nominal one or is there twice, a value missing, several columns and none chosen.
+    Parameters
+    ----------
+    dimension : str
+        Of the values, such as "time".
+    sources : dict[str, str]
+        Is given the text of the file under its name.
+    column : str
+        Which of several columns of values, by its name.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, InputErrors with the line for what is wrong in it: no bands, a band that is no
+        nominal one or is there twice, a value missing, several columns and none chosen.
     """
     grid = read_grid(path, sources, "a table of bands beside the study")
     return bands_in(grid, dimension, column)

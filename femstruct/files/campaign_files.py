@@ -79,10 +79,17 @@ def write_swept(path: str | Path, rows: Swept) -> None:
 
 
 def read_swept(path: str | Path) -> Swept:
-    """The rows of a campaign. path : a sweep.h5, or the folder that it is in.
+    """The rows of a campaign.
 
-    Raises InputError for a file that is not there, of another kind, incomplete, or damaged. The example of
-    `write_swept` reads one.
+    Parameters
+    ----------
+    path : str | Path
+        A sweep.h5, or the folder that it is in.
+
+    Raises
+    ------
+    InputError
+        For a file that is not there, of another kind, incomplete, or damaged. The example of `write_swept` reads one.
     """
     path = Path(path) / SWEEP if Path(path).is_dir() else Path(path)
     if not path.is_file():
@@ -180,10 +187,15 @@ def _read(file: h5py.File) -> Swept:
 
 
 def write_table(path: str | Path, rows: Swept, names: Sequence[str] = ()) -> None:
-    """A row for every sample and case as comma-separated values. names : of the numbers, the main ones if none.
+    """A row for every sample and case as comma-separated values.
 
     Columns are what varied, in SI units or as a file writes it, the numbers, findings that forbid trust, and why a
     sample has no numbers. A cell is empty where there is no number.
+
+    Parameters
+    ----------
+    names : Sequence[str]
+        Of the numbers, the main ones if none.
     """
     names = names or rows.main
     columns = [rows.of(name, case) for case in rows.cases for name in names]
@@ -295,10 +307,17 @@ def write_found(path: str | Path, found: Found | Front) -> None:
 
 
 def read_found(path: str | Path) -> Found | Front:
-    """The answer of an optimisation. path : an optimise.h5, or the folder that it is in.
+    """The answer of an optimisation.
 
-    Raises InputError for a file that is not there, of another kind, incomplete, or damaged. The example of
-    `write_found` reads one.
+    Parameters
+    ----------
+    path : str | Path
+        An optimise.h5, or the folder that it is in.
+
+    Raises
+    ------
+    InputError
+        For a file that is not there, of another kind, incomplete, or damaged. The example of `write_found` reads one.
     """
     path = Path(path) / OPTIMUM if Path(path).is_dir() else Path(path)
     if not path.is_file():

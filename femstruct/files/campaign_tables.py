@@ -19,8 +19,13 @@ Table = dict[str, Any]
 
 
 def sweep_table(rows: Swept, names: Sequence[str] = ()) -> Table:
-    """All rows with some of their numbers, and what they tell together. names : the main numbers if none; the others
-    are in the file."""
+    """All rows with some of their numbers, and what they tell together.
+
+    Parameters
+    ----------
+    names : Sequence[str]
+        The main numbers if none; the others are in the file.
+    """
     names = names or rows.main
     return {
         "title": rows.title,

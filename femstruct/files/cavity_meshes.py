@@ -27,9 +27,16 @@ def read_mesh(path: Path, sources: dict[str, str]) -> CavityMesh:
     """The tetrahedra or hexahedra of a mesh file [m] and its named surfaces.
 
     Corners only: nodes on edges and faces are left out, and sides are straight. Names are the physical groups of Gmsh
-    or the sets of cells of other formats. sources : is given a digest of the file under its name.
+    or the sets of cells of other formats.
 
-    Raises InputError.
+    Parameters
+    ----------
+    sources : dict[str, str]
+        Is given a digest of the file under its name.
+
+    Raises
+    ------
+    InputError
     """
     if path.suffix.lower() in _NAMELESS:  # HDF5 may hang on a damaged one, and XDMF names files of its own
         raise InputError(

@@ -18,7 +18,12 @@ T = TypeVar("T")
 def read_history(path: Path, what: str, sources: dict[str, str]) -> Table:
     """A force [N] or pressure [Pa] over time [s] from two columns, time and value; raises as `read_columns`.
 
-    what : "force" or "pressure". sources : is given the text of the file under its name.
+    Parameters
+    ----------
+    what : str
+        "force" or "pressure".
+    sources : dict[str, str]
+        Is given the text of the file under its name.
     """
     return read_columns(path, ("time", what), sources, Table)
 
@@ -40,9 +45,17 @@ def read_footstep(path: Path, sources: dict[str, str]) -> Table:
 
 
 def read_measured(path: str | Path, what: str) -> Table:
-    """A measured history from a CSV file of two columns, time [s] and value; what : a dimension, such as "force".
+    """A measured history from a CSV file of two columns, time [s] and value.
 
-    Raises InputErrors: the mistake of the file in one line.
+    Parameters
+    ----------
+    what : str
+        A dimension, such as "force".
+
+    Raises
+    ------
+    InputErrors
+        The mistake of the file in one line.
     """
     try:
         return read_history(Path(path), what, {})
@@ -68,9 +81,15 @@ def read_columns(path: Path, dimensions: Sequence[str], sources: dict[str, str],
     [kN]``, ``t / ms`` or ``Kraft in kN``, scales its column. Lines that are empty or begin with # are skipped. See
     `read_grid` for separators, decimals and encodings.
 
-    sources : is given the text of the file under its name.
+    Parameters
+    ----------
+    sources : dict[str, str]
+        Is given the text of the file under its name.
 
-    Raises InputError for a file that is no table, InputErrors with the line for what is wrong in it.
+    Raises
+    ------
+    InputError
+        For a file that is no table, InputErrors with the line for what is wrong in it.
     """
     grid, count = read_grid(path, sources), len(dimensions)
     expected = f"{_COUNTS[count]}: {_WORDS[dimensions[0]][count]}"

@@ -46,9 +46,17 @@ def seal(image: memoryview) -> bytes:
 
 
 def write_sealed(path: str | Path, write: Callable[[h5py.File], None]) -> None:
-    """Write an HDF5 file that is, at every instant, complete or not there. write : fills it.
+    """Write an HDF5 file that is, at every instant, complete or not there.
 
-    Raises FemstructError when the disk is full or refuses; the file that was there before is then untouched.
+    Parameters
+    ----------
+    write : Callable[[h5py.File], None]
+        Fills it.
+
+    Raises
+    ------
+    FemstructError
+        When the disk is full or refuses; the file that was there before is then untouched.
 
     Notes
     -----
@@ -163,10 +171,16 @@ def put(
 ) -> Any:
     """A dataset with unit, description and checksum, its axes attached to scales of the same group.
 
-    values : numbers (complex ones are stored as compounds {r, i}) or strings. Large arrays are compressed without loss
-    and have a Fletcher-32 checksum; of small ones, and of strings, which filters do not reach, the SHA-256 is an
-    attribute. axes : one scale for each dimension, or none for a scale or a file of another's layout.
-    whole : an axis that chunks are cut along last, along which numbers are most alike.
+    Parameters
+    ----------
+    values : ArrayLike | Sequence[str]
+        Numbers (complex ones are stored as compounds {r, i}) or strings. Large arrays are compressed without loss and
+        have a Fletcher-32 checksum; of small ones, and of strings, which filters do not reach, the SHA-256 is an
+        attribute.
+    axes : Sequence[str]
+        One scale for each dimension, or none for a scale or a file of another's layout.
+    whole : int
+        An axis that chunks are cut along last, along which numbers are most alike.
     """
     if _is_text(values):
         import h5py

@@ -83,8 +83,11 @@ def write_described(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HA
     """What a noun reports in a group: numbers and findings as attributes, mappings and arrays as datasets with their
     axes, the nouns that it holds as groups.
 
-    by_hand : by the key of what it holds, what fills its group instead. Axes of arrays that are not in the group are
-    numbered from 1.
+    Parameters
+    ----------
+    by_hand : ByHand
+        By the key of what it holds, what fills its group instead. Axes of arrays that are not in the group are numbered
+        from 1.
     """
     for name, entry, value in entries(noun):
         if isinstance(value, Mapping):
@@ -108,7 +111,13 @@ def write_described(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HA
 
 
 def write_held(target: h5py.Group, noun: Any, by_hand: ByHand = _NONE_BY_HAND) -> None:
-    """The nouns that a noun holds, a group for each key that has any; by_hand : as of `write_described`."""
+    """The nouns that a noun holds, a group for each key that has any.
+
+    Parameters
+    ----------
+    by_hand : ByHand
+        As of `write_described`.
+    """
     for key, holding, value in holdings(noun):
         if not value:
             continue

@@ -56,9 +56,15 @@ def write_frf_npz(table: FrfTable, path: str | Path, about: Mapping[str, Any]) -
 def write_frf_uff(table: FrfTable, positions: Mapping[str, ArrayLike], path: str | Path) -> Path:
     """Write a universal file: every point as a node, numbered from 1, every response as a function (data set 58).
 
-    positions : of all points by name [m].
+    Parameters
+    ----------
+    positions : Mapping[str, ArrayLike]
+        Of all points by name [m].
 
-    Raises InputError for a force of the structure, for a direction along a normal, and where pyuff is not installed.
+    Raises
+    ------
+    InputError
+        For a force of the structure, for a direction along a normal, and where pyuff is not installed.
     """
     names = dict.fromkeys(name.rpartition(".")[0] for name in (*table.drives, *table.responses))
     numbers = {name: number for number, name in enumerate(names, 1)}

@@ -42,8 +42,12 @@ def write_npz(
 ) -> list[Path]:
     """One file NAME.npz: M, C, K, T as data, indices, indptr of compressed columns, the map, `about`; returns it.
 
-    about : what else there is to say, as JSON: where the matrices come from, and how the structure is damped. more :
-    further arrays.
+    Parameters
+    ----------
+    about : Mapping[str, Any]
+        What else there is to say, as JSON: where the matrices come from, and how the structure is damped.
+    more : Mapping[str, Any] | None
+        Further arrays.
     """
     path = folder / f"{short(name)}.npz"
     arrays: dict[str, Any] = dict(more or {})

@@ -193,10 +193,21 @@ def is_foreign(path: Path, data: bytes) -> bool:
 def foreign_assembly(files: Mapping[str, Path], table: Path | None, names: Mapping[str, str], scale: float) -> Assembly:
     """The assembly of matrices of another program.
 
-    files : one under "" that has all of them, or one of Matrix Market under each of M, K, C. table : says which node
-    and direction each degree of freedom is (`read_dof_table`); None where the file does. names : of M, K, C in an OP4
-    file, where they are not the usual ones. scale : metres in the unit of length; forces are in newtons, times in
-    seconds. Raises InputError, and what `given_matrices` raises.
+    Parameters
+    ----------
+    files : Mapping[str, Path]
+        One under "" that has all of them, or one of Matrix Market under each of M, K, C.
+    table : Path | None
+        Says which node and direction each degree of freedom is (`read_dof_table`); None where the file does.
+    names : Mapping[str, str]
+        Of M, K, C in an OP4 file, where they are not the usual ones.
+    scale : float
+        Metres in the unit of length; forces are in newtons, times in seconds.
+
+    Raises
+    ------
+    InputError
+        And what `given_matrices` raises.
     """
     one = files.get("")
     found = _of_one(one, names) if one is not None else {key: _market(path) for key, path in files.items()}
@@ -325,18 +336,32 @@ def read_matrices(
     """The assembly of matrices in a file: that `femstruct export MODEL --to npz` or `--to mtx` wrote, NAME.npz or
     NAME.json, or of another program.
 
-    path : of another program a .npz of M, K and where there are dashpots C [n, n], nodes and components [n], points
-    [n_nodes, 3], as `given_matrices` takes them; HDF5 with the same names, where a matrix may be a group of data,
-    indices, indptr and shape; OUTPUT4 of Nastran (.op4, binary or text); or a file of Matrix Market under each of "M",
-    "K", "C". nodes : a table of commas with the columns node, x, y, z, direction and a row for each degree of freedom,
-    where the file has no map. names : of M, K, C in an OP4 file, where they are not the usual ones. scale : metres in
-    the unit of length of another program; forces are in newtons, so masses are in t where lengths are in mm.
-
     Its shapes are those of all nodes of the model, joined and held ones, too. Forces of supports and the loss factors
     of single parts are not in such a file.
 
-    Raises InputError for a file that is not there or is no such file, FemstructError for matrices that do not fit.
+    Parameters
+    ----------
+    path : str | Path | Mapping[str, str | Path]
+        Of another program a .npz of M, K and where there are dashpots C [n, n], nodes and components [n], points
+        [n_nodes, 3], as `given_matrices` takes them; HDF5 with the same names, where a matrix may be a group of data,
+        indices, indptr and shape; OUTPUT4 of Nastran (.op4, binary or text); or a file of Matrix Market under each of
+        "M", "K", "C".
+    nodes : str | Path | None
+        A table of commas with the columns node, x, y, z, direction and a row for each degree of freedom, where the file
+        has no map.
+    names : Mapping[str, str] | None
+        Of M, K, C in an OP4 file, where they are not the usual ones.
+    scale : float
+        Metres in the unit of length of another program; forces are in newtons, so masses are in t where lengths are in
+        mm.
 
+    Raises
+    ------
+    InputError
+        For a file that is not there or is no such file, FemstructError for matrices that do not fit.
+
+    Examples
+    --------
     >>> from pathlib import Path
     >>> import tempfile
     >>> from femstruct import given_matrices, modal_basis
@@ -418,7 +443,15 @@ def read_component(
 ) -> Component:
     """The matrices of a file as a part of a model takes them: what `read_matrices` reads, or a reduction.
 
-    sources : is given a digest of each file under its name. Raises InputError, and what `read_matrices` raises.
+    Parameters
+    ----------
+    sources : dict[str, str] | None
+        Is given a digest of each file under its name.
+
+    Raises
+    ------
+    InputError
+        And what `read_matrices` raises.
     """
     assembly = read_matrices(path, nodes, names, scale)
     paths = [Path(one) for one in path.values()] if isinstance(path, Mapping) else [Path(path)]

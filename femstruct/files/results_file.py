@@ -342,15 +342,23 @@ def results_file(given: str | Path) -> Path:
 def read_results(path: str | Path) -> StudyResult:
     """What a study found, as `run_study` returned it.
 
-    path : a results.h5, or the folder of a run that it is in.
-
     All nouns are there: responses, levels, findings, modes, the meshed model and the plan with its files verbatim. Of a
     contact law in Python only the name is kept, and the motion of the modes where the study says ``save: modal``: who
     asks for it elsewhere is told so. ``docs/results_file.md`` says what else is left out.
 
-    Raises InputError for a file that is not there, not of this format, incomplete, or damaged: the whole file is
-    compared with the checksum at its end before anything else reads it.
+    Parameters
+    ----------
+    path : str | Path
+        A results.h5, or the folder of a run that it is in.
 
+    Raises
+    ------
+    InputError
+        For a file that is not there, not of this format, incomplete, or damaged: the whole file is compared with the
+        checksum at its end before anything else reads it.
+
+    Examples
+    --------
     A ball strikes a mass on a spring. After ``femstruct run`` the folder would be ``results/hit``:
 
     >>> from pathlib import Path

@@ -304,11 +304,16 @@ class Stored(NamedTuple):
 def store_value(value: object, keep: Keep) -> Stored:
     """A value made of dataclasses, named tuples, mappings, sequences, numbers, texts and arrays, ready for JSON.
 
-    keep : is given each array of more than a few numbers.
-
     A noun that occurs twice is written once, and is one noun again when it is read. Of a function that
     is not of this project only the name is kept, as of a contact law of somebody's own.
 
+    Parameters
+    ----------
+    keep : Keep
+        Is given each array of more than a few numbers.
+
+    Examples
+    --------
     >>> from femstruct.errors import Finding
     >>> tables = store_value([Finding("mechanism", "It moves.", {"share": float("nan")})], keep=lambda array: None)
     >>> restore_value(tables, fetch=lambda place: None)
@@ -517,7 +522,10 @@ LEAST: Final = 4096  # bytes of a row of a table that may be an array of a noun
 def write_whole(file: h5py.File, result: object, written: Mapping[str, Array_of_whole]) -> None:
     """Add the nouns of what was found to its file; of their arrays only those that no table has yet, each once.
 
-    written : the large arrays of its tables, by the names of their datasets.
+    Parameters
+    ----------
+    written : Mapping[str, Array_of_whole]
+        The large arrays of its tables, by the names of their datasets.
     """
     tables = json.dumps(store_value(result, _shelf(file, written)), allow_nan=False)
     put_text(file, NOUNS, tables, "The results as nouns (JSON)")

@@ -80,10 +80,18 @@ _PLAINLY: Final = "a path from this file's folder, such as ../meshes/room.msh"
 
 
 def content(path: Path, most: int, what: str) -> bytes:
-    """The bytes of an ordinary file; what : what it should be, such as "a YAML file".
+    """The bytes of an ordinary file.
 
-    Raises InputError for a file that is not there, a folder, a pipe or a device (which may never end), a file of more
-    than `most` bytes, and what the system does not let us read.
+    Parameters
+    ----------
+    what : str
+        What it should be, such as "a YAML file".
+
+    Raises
+    ------
+    InputError
+        For a file that is not there, a folder, a pipe or a device (which may never end), a file of more than `most`
+        bytes, and what the system does not let us read.
     """
     try:
         # without waiting for somebody to write into a pipe
@@ -292,10 +300,20 @@ def wrong_in(path: Path, line: int, error: InputError) -> InputErrors:
 def read_grid(
     path: Path, sources: dict[str, str], what: str = "a CSV file beside the study", single: bool = False
 ) -> TextTable:
-    """The table in a file. sources : is given its text under its name. single : whether one column alone is a table:
-    below a head without a comma, numbers with one comma each are then decimals, not two columns.
+    """The table in a file.
 
-    Raises InputError for a file that cannot be read, InputErrors for one that is no text.
+    Parameters
+    ----------
+    sources : dict[str, str]
+        Is given its text under its name.
+    single : bool
+        Whether one column alone is a table: below a head without a comma, numbers with one comma each are then
+        decimals, not two columns.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, InputErrors for one that is no text.
 
     Notes
     -----
@@ -309,8 +327,17 @@ def read_grid(
 
 
 def grid_of(path: Path, text: str, single: bool = False) -> TextTable:
-    """The table in a text; path : for messages; single : as in `read_grid`.
+    """The table in a text.
 
+    Parameters
+    ----------
+    path : Path
+        For messages.
+    single : bool
+        As in `read_grid`.
+
+    Examples
+    --------
     >>> grid_of(Path("a.csv"), "Hz;T [s]\\n63;1,5\\n").rows[1], grid_of(Path("a.csv"), "63;1,5").comma
     (TextRow(line=2, cells=['63', '1,5']), True)
     >>> grid_of(Path("a.csv"), "f [Hz]\\n29,35\\n63", single=True).rows[1]
@@ -373,8 +400,15 @@ class Head(NamedTuple):
 
 
 def head_of(cells: Sequence[str], dimension: str) -> Head:
-    """Name and unit of a column from the cells above its numbers, from the top. dimension : what its unit should be.
+    """Name and unit of a column from the cells above its numbers, from the top.
 
+    Parameters
+    ----------
+    dimension : str
+        What its unit should be.
+
+    Examples
+    --------
     >>> head_of(["T20 [s]"], "time")[:2], head_of(["Nachhallzeit / ms"], "time")[:2], head_of(["T30", "s"], "time")[:2]
     (('T20', 's'), ('Nachhallzeit', 'ms'), ('T30', 's'))
     """

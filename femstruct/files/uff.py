@@ -232,15 +232,23 @@ class _Found:
 def read_uff(path: str | Path, length: float = 1.0) -> Measurement:
     """What a universal file has: nodes (15, 2411), lines and cells (82, 2412), modes (55, 2414), functions (58, 58b).
 
-    length : metres in the file's unit of length, where no data set 164 says it: 0.001 of a file in millimetres.
-
     Values are in SI. Directions with a minus are turned round. Data sets of other kinds, and functions that are neither
     frequency responses nor histories, are named in `notes`. Shapes have any scale; a direction in which no mode moves
     counts as not measured.
 
-    Raises InputError where the package pyuff is not installed and for a file that is not there, InputErrors with the
-    line of a data set that cannot be read.
+    Parameters
+    ----------
+    length : float
+        Metres in the file's unit of length, where no data set 164 says it: 0.001 of a file in millimetres.
 
+    Raises
+    ------
+    InputError
+        Where the package pyuff is not installed and for a file that is not there, InputErrors with the line of a data
+        set that cannot be read.
+
+    Examples
+    --------
     >>> read = read_uff("hammer_test.uff")  # doctest: +SKIP
     >>> read.modes.frequency_hz, len(read.frfs)  # doctest: +SKIP
     (array([41.2, 88.7]), 36)
@@ -481,7 +489,13 @@ def eigenvalue(frequency_hz: float, ratio: float) -> complex:
 
 
 def result_lines(modes: MeasuredModes, k: int, nodes: Integers) -> list[str]:
-    """The lines of data set 2414 for one mode, with its marks. nodes [p] : numbers of its places."""
+    """The lines of data set 2414 for one mode, with its marks.
+
+    Parameters
+    ----------
+    nodes : Integers [p]
+        Numbers of its places.
+    """
     frequency, ratio = float(modes.frequency_hz[k]), float(modes.damping_ratio[k])
     shapes = modes.shapes[:, :, k]
     is_complex = np.iscomplexobj(shapes)
@@ -532,12 +546,20 @@ RESULTS: Final = 2414
 def write_uff(measurement: Measurement, path: str | Path, sets: Sequence[int] = (2411, 55)) -> Path:
     """Write a universal file: header, units (SI), nodes, cells (2412), lines (82), modes, functions (58).
 
-    sets : numbers of the data sets of nodes, 15 or 2411, and of modes, 55 or 2414, as the program that reads the file
-    knows them. Shapes and frequencies of modes have six digits there, places in 15, too, values of functions twelve;
-    frequencies of functions are written one by one where the file's six digits do not hold their step.
+    Parameters
+    ----------
+    sets : Sequence[int]
+        Numbers of the data sets of nodes, 15 or 2411, and of modes, 55 or 2414, as the program that reads the file
+        knows them. Shapes and frequencies of modes have six digits there, places in 15, too, values of functions
+        twelve; frequencies of functions are written one by one where the file's six digits do not hold their step.
 
-    Raises InputError where the package pyuff is not installed, and for other data sets.
+    Raises
+    ------
+    InputError
+        Where the package pyuff is not installed, and for other data sets.
 
+    Examples
+    --------
     >>> write_uff(read_uff("hammer_test.unv"), "hammer_test.uff")  # doctest: +SKIP
     """
     write_sets(_sets(measurement, *_chosen(sets)), Path(path))

@@ -332,15 +332,22 @@ def staged_folder(folder: Path, *, finished: bool = True, inputs: str = "", keep
     """A stage to write to, a hidden folder inside `folder`; at the end its files take their places all at once, and
     what earlier runs left there and this one did not write is removed.
 
-    finished : False for a run with cases missing, which removes nothing: what it keeps is told as older. inputs : a
-    name for all that the run hangs on. keep : an earlier run of other inputs is first kept in a folder beside this one,
-    with a number (`files.set_aside`).
-
     When the writing is interrupted, or the disk is full, the folder is as it was before. Ctrl-C waits while files take
     their places; where the process is killed in that instant, the list in the folder tells so. Only files that the list
     names are ever removed, and only while they have the size it tells: what somebody else put there or changed is
     theirs.
 
+    Parameters
+    ----------
+    finished : bool
+        False for a run with cases missing, which removes nothing: what it keeps is told as older.
+    inputs : str
+        A name for all that the run hangs on.
+    keep : bool
+        An earlier run of other inputs is first kept in a folder beside this one, with a number (`files.set_aside`).
+
+    Examples
+    --------
     >>> import tempfile
     >>> def write(folder, *names):
     ...     with staged_folder(folder) as stage:

@@ -325,22 +325,34 @@ def simulate_batch(
 ) -> Batch:
     """Metrics of many impacts that differ in numbers of their bodies, contacts, links and loads.
 
-    vary : columns [runs] by name: BODY.mass, BODY.velocity, CONTACT.gap, CONTACT.preload, what the contact's law has of
-        stiffness, damping, exponent, cubic and dissipation, LINK.stiffness, LINK.closing, LINK.opening, LINK.preload,
-        and LOAD.amplitude of a half sine.
-    clock : as for `simulate`; nothing is sampled, so that the sampling rate plays no part.
-    threads : all cores if None. The results do not depend on it.
-    progress : told how many runs are done, of how many.
-    listener : makes further numbers of every run, `Batch.at_receivers`, of what pushes the modes.
-
-    Raises InputError for unknown names, and columns of unequal length or none; FemstructError for values that a body,
-    contact or link refuses. A run that fails has its row, and raises nothing.
-
     Notes: the marches of `simulate`. All runs take the exact one when the stiffest laws and the lightest bodies of any
     run allow it. Otherwise steps are longer, since nothing is sampled; an event ends a step so short that the force in
     it is below the tolerance. The tables of the modes are made once for all runs. A row is of the whole window: blow by
     blow tells `simulate`. Runs are judged as by `simulate`: `Batch.outcome`, `Batch.flags`, `Batch.findings`.
 
+    Parameters
+    ----------
+    clock : Clock
+        As for `simulate`; nothing is sampled, so that the sampling rate plays no part.
+    vary : Mapping[str, ArrayLike]
+        Columns [runs] by name: BODY.mass, BODY.velocity, CONTACT.gap, CONTACT.preload, what the contact's law has of
+        stiffness, damping, exponent, cubic and dissipation, LINK.stiffness, LINK.closing, LINK.opening, LINK.preload,
+        and LOAD.amplitude of a half sine.
+    threads : int | None
+        All cores if None. The results do not depend on it.
+    progress : Progress
+        Told how many runs are done, of how many.
+    listener : Listener | None
+        Makes further numbers of every run, `Batch.at_receivers`, of what pushes the modes.
+
+    Raises
+    ------
+    InputError
+        For unknown names, and columns of unequal length or none; FemstructError for values that a body, contact or link
+        refuses. A run that fails has its row, and raises nothing.
+
+    Examples
+    --------
     A ball hits a wall through a spring at three speeds; the force is v sqrt(k m), the contact half a period:
 
     >>> from femstruct.impact.scene import GROUND, Body, Contact

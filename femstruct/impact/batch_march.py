@@ -260,8 +260,15 @@ class Out(NamedTuple):
 @unit(seconds=3.0)
 def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, settings: IntegratorSettings,
              record: RunRecord, state: State, at: Columns, out: Out) -> int:  # fmt: skip
-    """Fill a row of metrics [c, width] for each run. frame, tables : what of them
-    depends on a run is this call's own."""
+    """Fill a row of metrics [c, width] for each run.
+
+    Parameters
+    ----------
+    frame : System
+        What of them depends on a run is this call's own.
+    tables : Tables
+        What of them depends on a run is this call's own.
+    """
     k, bodies = frame.n_modes, runs.mass.shape[1]
     for i in range(len(out.rows)):
         new = i == 0
@@ -365,7 +372,13 @@ def _weigh_rows(frame: System, shared: SharedTables, mass: Floats) -> None:
 @kernel
 def _measure(system: System, state: State, record: RunRecord, at: Columns, row: Floats, status: int, events: int,
              last: Floats, mass: Floats, gravity: float, quiet: float) -> None:  # fmt: skip
-    """One row of metrics; a run that failed has its status and steps only. last : the ledger row at the end."""
+    """One row of metrics; a run that failed has its status and steps only.
+
+    Parameters
+    ----------
+    last : Floats
+        The ledger row at the end.
+    """
     m, k, log, times = len(system.interfaces), system.n_modes, record.events, record.event_rows[:, TIME]
     row[:] = np.nan
     row[STATUS], row[STEPS] = status, record.totals[STEPS_TAKEN]
@@ -453,8 +466,15 @@ class Fleet:
 
     @staticmethod
     def of(basis: ModalBasis, varied: Variation, window: Clock, *, with_receivers: bool = False) -> Fleet:
-        """A fleet on a basis. window : of one sample, so that its end is a power of two ticks away.
-        with_receivers : whether forces are needed as polynomials, which collocation has."""
+        """A fleet on a basis.
+
+        Parameters
+        ----------
+        window : Clock
+            Of one sample, so that its end is a power of two ticks away.
+        with_receivers : bool
+            Whether forces are needed as polynomials, which collocation has.
+        """
         compiled = compile_scene(basis, varied.scene, window)
         exact = not with_receivers and is_piecewise_linear(_hardest(varied, compiled), window.duration)
         halvings = FINEST_HALVINGS if exact else _halvings(varied, compiled, window)
@@ -517,8 +537,16 @@ class Fleet:
 def run_some(fleet: Fleet, first: int, out: Floats, stop: Integers, cells: int = 0, spacing: float = 1.0) -> Floats:
     """Fill the rows of the runs from `first` on; all it changes is its own.
 
-    stop [1] : not zero to end at once. Returns the moments [runs, r, cells + 2] of what pushes in cells of `spacing`
-    seconds; of no columns where there are no cells.
+    Parameters
+    ----------
+    stop : Integers [1]
+        Not zero to end at once.
+
+    Returns
+    -------
+    Floats
+        The moments [runs, r, cells + 2] of what pushes in cells of `spacing` seconds; of no columns where there are no
+        cells.
     """
     system, tables = fleet.compiled.system, fleet.tables
     r, m, n = len(system.rows), len(system.interfaces), len(system.omega)

@@ -29,7 +29,13 @@ def blow_table(
     clock: Clock,
     log: Sequence[Event],
 ) -> tuple[Blow, ...]:
-    """All blows of a run in the order of time. omega [k] : of the modes [rad/s]."""
+    """All blows of a run in the order of time.
+
+    Parameters
+    ----------
+    omega : Floats [k]
+        Of the modes [rad/s].
+    """
     system, end = compiled.system, compiled.n_samples / clock.sampling
     strikes, times = system.strikes, system.strikes["tick"] * system.tick
     if not len(strikes):
@@ -88,7 +94,10 @@ def _sample(t: float, clock: Clock, count: int) -> int:
 def _rest(energy: Floats, largest: float, after: float, clock: Clock) -> float | None:
     """How long after the blow the energy is below its share for good [s]; None when it is not before the next.
 
-    energy : at samples, the first of them `after` [s] the blow.
+    Parameters
+    ----------
+    energy : Floats
+        At samples, the first of them `after` [s] the blow.
     """
     loud = np.flatnonzero(energy > AT_REST * largest)
     last = int(loud[-1]) + 1 if loud.size else 0
@@ -125,7 +134,17 @@ def blow_findings(blows: Sequence[Blow], scene: Scene, clock: Clock) -> tuple[Fi
 
 
 def lifted_finding(plan: Blows, lifts: int, number: int, force: float, since: float) -> Finding:
-    """A body that is lifted off while its contact acts; number, force [N], since [s] : of the first such lift."""
+    """A body that is lifted off while its contact acts.
+
+    Parameters
+    ----------
+    number : int [s]
+        Of the first such lift.
+    force : float [N]
+        Of the first such lift.
+    since : float [s]
+        Of the first such lift.
+    """
     return Finding(
         "lifted-in-contact",
         f"{plan.body} is still in contact when it is lifted off for {_some(lifts, 'blow')} (first after blow {number}, "
@@ -246,7 +265,13 @@ def decay_findings(largest: float, left: float, duration: float) -> tuple[Findin
 
 
 def sampling_findings(lasting: Mapping[str, float], peaks: Mapping[str, float], sampling: float) -> tuple[Finding, ...]:
-    """Contacts that last for few samples. lasting [s] : of the shortest of each, infinite for none; peaks [N]."""
+    """Contacts that last for few samples.
+
+    Parameters
+    ----------
+    lasting : Mapping[str, float] [s]
+        Of the shortest of each, infinite for none; peaks [N].
+    """
     return tuple(
         Finding(
             "contact-coarsely-sampled",

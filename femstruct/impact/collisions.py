@@ -56,11 +56,18 @@ class Collision:
 def collide(masses: Sequence[float], velocities: Sequence[float], restitution: Sequence[float]) -> Collision:
     """Free bodies that touch, colliding one pair at a time until no pair closes any more.
 
-    masses [n] [kg]; velocities [n] [m/s], the first body behind the others; restitution [n - 1] : of each pair of
-    neighbours, ratio of the speeds of separation and approach, 0 to 1.
+    masses [n] [kg]; velocities [n] [m/s], the first body behind the others.
 
-    Raises InputError for values that cannot be; NotConverged when the blows do not end (small restitution lets
-    three bodies collide infinitely often in a finite time).
+    Parameters
+    ----------
+    restitution : Sequence[float] [n - 1]
+        Of each pair of neighbours, ratio of the speeds of separation and approach, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        For values that cannot be; NotConverged when the blows do not end (small restitution lets three bodies collide
+        infinitely often in a finite time).
 
     Notes
     -----
@@ -73,6 +80,8 @@ def collide(masses: Sequence[float], velocities: Sequence[float], restitution: S
     Source: Son and Matsuhisa's momentum-exchange damper, dissertation section 2.2.2, whose two blows (2.23 to 2.33)
     are the first two here; with e < 1 or a heavy last body there may be more.
 
+    Examples
+    --------
     >>> collide([0.5, 1.0, 1.0], [1.0, 0.0, 0.0], [1.0, 1.0]).energies.round(6)
     array([0.111111, 0.      , 0.888889])
     """
@@ -98,10 +107,20 @@ def collide(masses: Sequence[float], velocities: Sequence[float], restitution: S
 def collide_as_one(masses: Sequence[float], velocities: Sequence[float], restitution: float) -> Collision:
     """The first body hits the others, which move as one: contacts between them much stiffer than the first.
 
-    masses [n], velocities [n] as in `collide`, those of the others equal; restitution : of the blow, 0 to 1.
+    masses [n], velocities [n] as in `collide`, those of the others equal.
 
-    Raises InputError for values that cannot be, or others that do not move together.
+    Parameters
+    ----------
+    restitution : float
+        Of the blow, 0 to 1.
 
+    Raises
+    ------
+    InputError
+        For values that cannot be, or others that do not move together.
+
+    Examples
+    --------
     >>> collide_as_one([0.5, 1.0, 1.0], [1.0, 0.0, 0.0], 1.0).energies.round(6)
     array([0.36, 0.32, 0.32])
     """

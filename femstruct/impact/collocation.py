@@ -378,8 +378,15 @@ def _cell_point(i: int, coarse: bool) -> tuple[bool, float, float]:
 def _add_point(
     at: float, theta: float, share: float, cell: int, rule: Rule, trial: StepTrial, record: RunRecord
 ) -> None:
-    """What one point of a cell adds. at : where it is in the cell; theta : and in the step, of which it has a share
-    [s]."""
+    """What one point of a cell adds.
+
+    Parameters
+    ----------
+    at : float
+        Where it is in the cell.
+    theta : float
+        And in the step, of which it has a share [s].
+    """
     total, moments, shares = 0.0, record.moments, record.shares
     for i in range(STAGES):
         distance = theta - rule.nodes[i]
@@ -618,7 +625,13 @@ def _arrive(before: int, t: int, system: System, state: State, scratch: Workspac
 
 @kernel
 def _switch_contacts(moment: float, system: System, state: State, scratch: Workspace) -> None:
-    """Status of every contact at the end of a step in which one of them changes; moment : when."""
+    """Status of every contact at the end of a step in which one of them changes.
+
+    Parameters
+    ----------
+    moment : float
+        When.
+    """
     here, trial, bounds = scratch.here, scratch.trial, scratch.bounds
     for a in range(len(here.place)):
         trial.place[a, PLACES - 1], trial.rate[a, PLACES - 1] = here.place[a], here.rate[a]
@@ -644,7 +657,13 @@ def _strike_bodies(
 @kernel
 def _log_lifted(t: int, system: System, state: State, row: Floats, n_events: int, record: RunRecord) -> int:
     """Log that contacts open whose body was lifted off just now; returns the number of events, FULL where they are too
-    many. row : of the ledger, before the blow."""
+    many.
+
+    Parameters
+    ----------
+    row : Floats
+        Of the ledger, before the blow.
+    """
     for a in range(len(system.interfaces)):
         if record.closed[a] > 0.0 and record.latest[a] >= 0 and system.strikes[record.latest[a]]["tick"] == t:
             if n_events == len(record.events):
@@ -777,8 +796,12 @@ def collocate(
 ) -> Ended:
     """March to the end of the record; state and record are filled on the way.
 
-    tables : of all levels.
-    finer : how often the longest step is halved, which a loose tolerance takes wherever it can.
+    Parameters
+    ----------
+    tables : Tables
+        Of all levels.
+    finer : int
+        How often the longest step is halved, which a loose tolerance takes wherever it can.
     """
     system = compiled.system
     top_level = levels_for(compiled.halvings) - 1

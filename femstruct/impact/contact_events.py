@@ -181,7 +181,13 @@ def store_state(index: int, doublings: int, state: State, trial: StepTrial, reco
 
 
 def motion_of(record: RunRecord, system: System, halvings: int, tables: Tables, turn: Floats | None = None) -> Motion:
-    """The motion that a record holds; turn : of coupled modes, as the motion has it."""
+    """The motion that a record holds.
+
+    Parameters
+    ----------
+    turn : Floats | None
+        Of coupled modes, as the motion has it.
+    """
     states, longs = int(record.kept[0]), int(record.kept[1])
     doublings, pushed = record.doublings[:states].copy(), record.pushed[:longs].copy()
     free, forced = inner_tables(system, halvings, tables, doublings[doublings > 0], pushed)
@@ -242,7 +248,13 @@ class ContactForces(NamedTuple):
 
 @unit(seconds=1.0)
 def fill_forces(system: System, state: State, halvings: int, record: RunRecord, out: ContactForces) -> int:
-    """Fill in the forces at the samples. state : at the end; its status is changed on the way."""
+    """Fill in the forces at the samples.
+
+    Parameters
+    ----------
+    state : State
+        At the end; its status is changed on the way.
+    """
     m, nt = out.place.shape
     for s in range(record.kept[0]):
         for a in range(m):
@@ -453,7 +465,13 @@ RESOLVED = 1e-12  # of the terms a displacement is summed from: 1e-16 of them a 
 
 @kernel
 def log_event(record: RunRecord, count: int, a: int, what: int, counts: int, row: Floats) -> None:
-    """Add an event with its ledger row to the log; counts : DOUBTFUL until the contact is seen far enough."""
+    """Add an event with its ledger row to the log.
+
+    Parameters
+    ----------
+    counts : int
+        DOUBTFUL until the contact is seen far enough.
+    """
     record.events[count, WHOSE], record.events[count, WHAT] = a, what
     record.events[count, ALL_OPEN], record.events[count, COUNTS] = 0, counts
     record.newest[a] = count if counts == DOUBTFUL else -1
@@ -575,8 +593,12 @@ def log_changes(moment: float, system: System, state: State, loaded: Floats, row
                 record: RunRecord) -> int:  # fmt: skip
     """Log the contacts that closed or opened at a moment; returns the number of events, FULL where they are too many.
 
-    loaded [m] : whether a contact counts as closed now; row : of the ledger. Openings may be the end of a collision:
-    there coupled modes part their energy.
+    Parameters
+    ----------
+    loaded : Floats [m]
+        Whether a contact counts as closed now.
+    row : Floats
+        Of the ledger. Openings may be the end of a collision: there coupled modes part their energy.
     """
     for a in range(len(loaded)):
         if loaded[a] != record.closed[a]:

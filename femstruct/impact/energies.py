@@ -184,7 +184,12 @@ def ledger(
 ) -> EnergyLedger:
     """The ledger of a run from its rows: first and last are its start and end.
 
-    residual [J] : largest change of the total; largest_work [J] : largest |work| + |energy brought by blows|.
+    Parameters
+    ----------
+    largest_work : float [J]
+        Largest |work| + |energy brought by blows|.
+    residual : float [J]
+        Largest change of the total.
     """
     m, at = len(compiled.system.interfaces), BODIES + len(scene.bodies)
     lost = history[:, at + m + 1 : at + 2 * m + 1]

@@ -262,7 +262,12 @@ def first_descent(c: Floats, lead: int, order: int, bernstein: Floats, boxes: Fl
 def crossing(c: Floats, lead: int, order: int, low: float, high: float, at_low: float, at_high: float) -> float:
     """The one root between low, where the polynomial is not negative, and high, where it is: safeguarded Newton.
 
-    at_low, at_high : its values there; the first guess is where a line through them crosses zero, but at neither end.
+    Parameters
+    ----------
+    at_low : float
+        Its values there; the first guess is where a line through them crosses zero, but at neither end.
+    at_high : float
+        Its values there; the first guess is where a line through them crosses zero, but at neither end.
     """
     part = at_low / (at_low - at_high) if at_high < 0.0 < at_low else 0.5
     x = low + (high - low) * min(max(part, 0.1), 0.9)
@@ -450,7 +455,13 @@ def _expand_oscillators(
 
 @kernel
 def _from_derivatives(rule: ExactRule, scratch: ExactWorkspace, m: int, pace: float, order: int) -> None:
-    """Power series from the derivatives of coordinates and rows; rates and forces from them. pace : 1 / h."""
+    """Power series from the derivatives of coordinates and rows; rates and forces from them.
+
+    Parameters
+    ----------
+    pace : float
+        1 / h.
+    """
     z, place, rate, force = scratch.z, scratch.place, scratch.rate, scratch.force
     for k in range(2, order + 1):
         for i in range(z.shape[1]):
@@ -536,7 +547,14 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
           spans: Floats) -> tuple[float, int]:  # fmt: skip
     """Where the polynomial becomes negative (NEVER: not in this step), and its leading order when that is at once.
 
-    noise : rounding of its value; small : of its other coefficients; fresh : whether it is zero by an event.
+    Parameters
+    ----------
+    noise : float
+        Rounding of its value.
+    small : float
+        Of its other coefficients.
+    fresh : int
+        Whether it is zero by an event.
     """
     lead = 0
     if fresh or abs(c[0]) <= noise:
@@ -564,10 +582,14 @@ def weigh_rounding(
 ) -> None:
     """What rounding leaves unknown of the interfaces in a step of length h, into room.terms.
 
-    before [s] : the longer of this step and the last one, whose end is known to the rounding of its own series only.
-    stiff [1/s] : of both, the stiffness over unit mass divided by the bound of the rates, w^2 / x. In a step, THETA / x
-    at most, springs turn rounding of a displacement into THETA stiff times as much of a speed; dashpots give a speed
-    THETA times its own at most, however fast they are.
+    Parameters
+    ----------
+    before : float [s]
+        The longer of this step and the last one, whose end is known to the rounding of its own series only.
+    stiff : float [1/s]
+        Of both, the stiffness over unit mass divided by the bound of the rates, w^2 / x. In a step, THETA / x at most,
+        springs turn rounding of a displacement into THETA stiff times as much of a speed; dashpots give a speed THETA
+        times its own at most, however fast they are.
     """
     shake = 0.0  # acceleration by the rounding of what springs and dashpots see: no contact closes or opens for it
     for a in range(len(system.interfaces)):
@@ -784,7 +806,12 @@ def travels_of_step(system: System, order: int, rule: ExactRule, scratch: ExactW
 def largest(c: Floats, known: float, order: int, rule: ExactRule, slope: Floats) -> tuple[float, float]:
     """Largest value of a polynomial on (0, 1) and where it is; -1 there when it is not above what is known.
 
-    Bracketed, then where its slope is zero. slope [order or more] : room.
+    Bracketed, then where its slope is zero.
+
+    Parameters
+    ----------
+    slope : Floats [order or more]
+        Room.
     """
     if c[0] + magnitude(c, 1, order) <= known:
         return known, -1.0
@@ -916,7 +943,13 @@ def _length(left: float, bound: float, cap: float) -> float:
 
 @kernel
 def _order(rule: ExactRule, turned: float) -> int:
-    """Order of the power series of a step; turned : the bound of the rates times its length."""
+    """Order of the power series of a step.
+
+    Parameters
+    ----------
+    turned : float
+        The bound of the rates times its length.
+    """
     order = SHORT
     while order < ORDER and rule.reach[order] < turned:
         order += 1
@@ -926,8 +959,14 @@ def _order(rule: ExactRule, turned: float) -> int:
 @kernel
 def _first_change(system: System, state: State, rule: ExactRule, scratch: ExactWorkspace, order: int, t: float,
                   h: float, fresh: bool) -> tuple[float, int, int]:  # fmt: skip
-    """The series of a step, and the first change in it. fresh : whether something switched at this very instant, or the
-    run begins: what then switches shows in the first terms, and most need no more of them."""
+    """The series of a step, and the first change in it.
+
+    Parameters
+    ----------
+    fresh : bool
+        Whether something switched at this very instant, or the run begins: what then switches shows in the first terms,
+        and most need no more of them.
+    """
     first = fresh
     while True:
         terms = SHORT if first else order

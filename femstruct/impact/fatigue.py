@@ -138,7 +138,13 @@ def rainflow_cycles(history: Floats) -> Cycles:
 def counted(
     channel: str, unit: str, history: Floats, line: SNLine | None, on: str = "", alone: Floats | None = None
 ) -> Fatigue:
-    """Rainflow cycles of a history [nt] [unit] and what they do by an S-N line. alone : without residual vectors."""
+    """Rainflow cycles of a history [nt] [unit] and what they do by an S-N line.
+
+    Parameters
+    ----------
+    alone : Floats | None
+        Without residual vectors.
+    """
     found = _fatigue_of(channel, unit, rainflow_cycles(history), line, on)
     return found if alone is None else _beside_modes_alone(found, rainflow_cycles(alone), line)
 
@@ -155,10 +161,17 @@ def counted_on_planes(
 ) -> Fatigue:
     """The same of the normal stress on the worst of many planes.
 
-    stresses [c, nt] [Pa] : components at one place; alone [c, nt] : the same without residual vectors. On a face planes
-    stand on it, 5 degrees apart; in a solid they are spread over all directions. The worst has the most damage; without
-    an S-N line the largest range. uneven : the share of the stress that the mesh leaves open, 0 if little. axes : local
-    ones of the components [3, 3], its rows; None for global ones.
+    stresses [c, nt] [Pa] : components at one place.
+
+    Parameters
+    ----------
+    alone : Floats | None [c, nt]
+        The same without residual vectors. On a face planes stand on it, 5 degrees apart; in a solid they are spread
+        over all directions. The worst has the most damage; without an S-N line the largest range.
+    uneven : float
+        The share of the stress that the mesh leaves open, 0 if little.
+    axes : Floats | None
+        Local ones of the components [3, 3], its rows; None for global ones.
     """
     normals = normals_of(components)
     worst = _worst_plane(plane_weights(normals, components) @ stresses, line, -np.inf)
@@ -176,7 +189,12 @@ def counted_on_planes(
 def most_damaged(rows: Floats, q: Floats, components: tuple[str, ...], line: SNLine | None) -> int:
     """The place with the most damage on its worst plane, without an S-N line the largest range.
 
-    rows [p, c, k] : stress components of every place by modal coordinates; q [k, nt] : these.
+    Parameters
+    ----------
+    rows : Floats [p, c, k]
+        Stress components of every place by modal coordinates.
+    q : Floats [k, nt]
+        These.
 
     Notes
     -----
@@ -241,8 +259,15 @@ def _fatigue_of(channel: str, unit: str, cycles: Cycles, line: SNLine | None, on
 
 
 def plane(normal: Floats, axes: Floats | None) -> str:
-    """A plane in words, by its normal in global components. axes [3, 3] : rows are the local axes of the normal [3].
+    """A plane in words, by its normal in global components.
 
+    Parameters
+    ----------
+    axes : Floats | None [3, 3]
+        Rows are the local axes of the normal [3].
+
+    Examples
+    --------
     >>> plane(np.array([0.0, 1.0, 0.0]), np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))
     'normal to (0, 0, 1)'
     """
@@ -300,7 +325,10 @@ def expected(
 ) -> Fatigue:
     """Rainflow cycles that a stationary Gaussian process makes on the average in a duration [s].
 
-    psd [nf] : one-sided [unit^2/Hz] at frequency_hz [nf].
+    Parameters
+    ----------
+    psd : Floats [nf]
+        One-sided [unit^2/Hz] at frequency_hz [nf].
 
     Notes
     -----
@@ -309,6 +337,8 @@ def expected(
     counts of 2000 s of simulated noise the damage with slopes of 3 and 5 is right for one hump in the spectrum, 6 and
     8 % low for a flat one, and up to 20 % low for two humps far apart.
 
+    Examples
+    --------
     One frequency band of 1 Hz at 100 Hz with a standard deviation of 10 MPa, for 1000 s: 100 000 cycles, as good as all
     with Rayleigh's amplitudes, whose mean cube is 3 sqrt(pi / 2) sigma^3:
 
@@ -355,8 +385,16 @@ def expected_on_planes(
 ) -> Fatigue:
     """The same of the normal stress on the worst of many planes at one place.
 
-    stresses [c, nf] : complex components per unit of what excites [Pa]; psd [nf] : of that. uneven : the share of
-    the stress that the mesh leaves open, 0 if little. axes [3, 3] : rows are their local axes; None for global ones.
+    Parameters
+    ----------
+    stresses : np.ndarray [c, nf]
+        Complex components per unit of what excites [Pa].
+    psd : Floats [nf]
+        Of that.
+    uneven : float
+        The share of the stress that the mesh leaves open, 0 if little.
+    axes : Floats | None [3, 3]
+        Rows are their local axes; None for global ones.
     """
     normals = normals_of(components)
     squares = np.abs(plane_weights(normals, components) @ stresses) ** 2 * psd
@@ -373,7 +411,10 @@ def expected_on_planes(
 def most_damaged_by_spectra(moments: Floats, components: tuple[str, ...], duration: float, line: SNLine | None) -> int:
     """The place with the most damage on its worst plane, without an S-N line the largest range.
 
-    moments [4, p, c, c] : of the components of the stress at every place, of the frequency to the powers of POWERS.
+    Parameters
+    ----------
+    moments : Floats [4, p, c, c]
+        Of the components of the stress at every place, of the frequency to the powers of POWERS.
 
     Notes
     -----
@@ -432,8 +473,13 @@ def _parameters(mean: Floats, irregularity: Floats) -> tuple[Floats, ...]:
 
 
 def _dirlik(z: Floats, mean: float, irregularity: float) -> tuple[Floats, Floats]:
-    """Dirlik's density of amplitudes over standard deviations, and the share of amplitudes below them. mean : mean
-    frequency over that of the peaks. The share is no sum of the density: small ripples can be narrower than steps of z.
+    """Dirlik's density of amplitudes over standard deviations, and the share of amplitudes below them.
+
+    Parameters
+    ----------
+    mean : float
+        Mean frequency over that of the peaks. The share is no sum of the density: small ripples can be narrower than
+        steps of z.
     """
     g = irregularity
     rayleigh, lower = z * np.exp(-(z**2) / 2.0), -np.expm1(-(z**2) / 2.0)

@@ -53,7 +53,13 @@ class Motion(NamedTuple):
 
 
 def sampled_motion(z: Floats, v: Floats, system: System | None = None) -> Motion:
-    """The motion that is known at its samples: z, v [n, nt]; system : where oscillators stand for coupled modes."""
+    """The motion that is known at its samples: z, v [n, nt].
+
+    Parameters
+    ----------
+    system : System | None
+        Where oscillators stand for coupled modes.
+    """
     n, nt = z.shape
     return Motion(
         at=np.arange(nt),
@@ -267,7 +273,15 @@ def _by_length(motion: Motion, at_once: int = SAMPLES_AT_ONCE) -> list[_Steps]:
 def inner_tables(
     system: System, halvings: int, tables: Tables, used: Integers, pushed: Integers
 ) -> tuple[Floats, Floats]:
-    """free and forced of a Motion. used [l] : doublings of its long steps; pushed [l] : whether forces act on them."""
+    """free and forced of a Motion.
+
+    Parameters
+    ----------
+    used : Integers [l]
+        Doublings of its long steps.
+    pushed : Integers [l]
+        Whether forces act on them.
+    """
     n, longest = len(system.omega), 1 << int(used.max(initial=0))
     dt = system.tick * 2.0**halvings
     times = np.array([dt * j for j in range(longest)])

@@ -255,7 +255,13 @@ def _compared(
     against: float | None,
     rounding: float,
 ) -> ErrorEstimate:
-    """The largest differences to other runs; rounding : what all may be wrong by, as a share."""
+    """The largest differences to other runs.
+
+    Parameters
+    ----------
+    rounding : float
+        What all may be wrong by, as a share.
+    """
     ended = all(other.ended for other in others)
 
     speeds = {name: float(np.abs(body.velocity).max()) for name, body in response.bodies.items()}
@@ -301,10 +307,13 @@ ASKED = 0.1  # share of an asked accuracy that the march may take
 
 
 def unresolved_findings(errors: ErrorEstimate, within: float | None = None) -> tuple[Finding, ...]:
-    """Contacts whose peak force the march may miss by more than 0.1 %, or by a tenth of the accuracy that is asked for;
-    a body whose velocity at the end it may miss by more than 1 % of its largest.
+    """Contacts whose peak force the march may miss by more than 0.1 %, or by a tenth of the accuracy that is asked
+    for; a body whose velocity at the end it may miss by more than 1 % of its largest.
 
-    within : the share asked for [1], None where none is.
+    Parameters
+    ----------
+    within : float | None
+        The share asked for [1], None where none is.
     """
     allowed = UNRESOLVED if within is None else min(UNRESOLVED, ASKED * within)
     found = []

@@ -479,8 +479,13 @@ def _doubled(omega: Floats, damping: Floats, h: float, rule: Rule, step: _Step) 
 
 
 def _doubled_form(form: Floats, whole: Floats, x: Floats, v: Floats, rule: Rule) -> Floats:
-    """The loss over both halves of a step, from that over one; whole [4, n] : flow over a half, x, v [n, s] : what
-    forces in the first half make of a mode at its end."""
+    """The loss over both halves of a step, from that over one.
+
+    Parameters
+    ----------
+    whole : Floats [4, n]
+        Flow over a half, x, v [n, s] : what forces in the first half make of a mode at its end.
+    """
     width = STAGES + 2
     first, second = np.zeros((width, width)), np.zeros((len(form), width, width))
     first[0, 0], first[1, 1], first[2:, 2:] = 1.0, 1.0, rule.left
@@ -591,7 +596,10 @@ def advance(level: int, system: System, tables: Tables, forces: Floats, z: Float
     Of oscillators in place of coupled modes it is 0: their losses follow from where they are
     (`femstruct.impact.energies.modal_energies`).
 
-    work [STAGES + 4, n] : room; the modal forces at the nodes are left in its first STAGES rows.
+    Parameters
+    ----------
+    work : Floats [STAGES + 4, n]
+        Room; the modal forces at the nodes are left in its first STAGES rows.
     """
     n = len(z)
     if len(system.turn):
@@ -787,9 +795,14 @@ def _respond(forced: Floats, trial: StepTrial) -> None:
 
 @kernel
 def _misses(system: System, state: State, trial: StepTrial, count: int, biggest: float) -> float:
-    """What the laws of the active interfaces ask for beyond the forces, into residual, with their slopes: the most that
-    one misses of its largest force; nan where a law gives no number. biggest : of all forces, what is far below it is
-    not known better."""
+    """What the laws of the active interfaces ask for beyond the forces, into residual, with their slopes: the most
+    that one misses of its largest force; nan where a law gives no number.
+
+    Parameters
+    ----------
+    biggest : float
+        Of all forces, what is far below it is not known better.
+    """
     place, rate, slope, residual = trial.place, trial.rate, trial.slope, trial.residual
     worst = 0.0
     for i in range(count):

@@ -37,12 +37,19 @@ def last_mode_hz(basis: ModalBasis) -> float:
 
 
 def factor_for(highest_hz: float, coordinates: int, n_samples: int, sampling: float, wished_hz: float = 0.0) -> int:
-    """By which a sampling is multiplied so that samples show the peaks of what vibrates up to a frequency [Hz]: 1 where
-    they do, 0 where what is dense enough does not fit into memory.
+    """By which a sampling is multiplied so that samples show the peaks of what vibrates up to a frequency [Hz]: 1
+    where they do, 0 where what is dense enough does not fit into memory.
 
-    coordinates : modes and bodies. wished_hz : of pulses, which are followed as far as memory allows.
-    Of a window of 1 s in which 2 kHz are sampled at 1 kHz; at 48 kHz; and of an hour:
+    Parameters
+    ----------
+    coordinates : int
+        Modes and bodies.
+    wished_hz : float
+        Of pulses, which are followed as far as memory allows. Of a window of 1 s in which 2 kHz are sampled at 1 kHz;
+        at 48 kHz; and of an hour:
 
+    Examples
+    --------
     >>> factor_for(2e3, 30, 1000, 1e3), factor_for(2e3, 30, 48_000, 48e3), factor_for(2e3, 30, 3_600_000, 1e3)
     (64, 1, 0)
     """
@@ -173,19 +180,31 @@ _CORRECTIONS: Final = {1: (-1.0 / 6.0, 1.0 / 30.0, -1.0 / 140.0), 2: (-1.0 / 12.
 
 
 def mean_velocity(displacement: Floats, sampling: float, speed: float = 0.0) -> Floats:
-    """The velocity [nt] [m/s] of a displacement [nt] [m]; speed [m/s] : what it starts with, and had before.
+    """The velocity [nt] [m/s] of a displacement [nt] [m].
 
     Its sum over samples is the displacement: a jump between two of them is in it.
+
+    Parameters
+    ----------
+    speed : float [m/s]
+        What it starts with, and had before.
     """
     x = _continued(displacement, sampling, speed)
     return _corrected(0.5 * sampling * (x[2:] - x[:-2]), 1)
 
 
 def mean_acceleration(displacement: Floats, sampling: float, speed: float = 0.0) -> Floats:
-    """The acceleration [nt] [m/s^2] of a displacement [nt] [m]; speed [m/s] : what it starts with, and had before.
+    """The acceleration [nt] [m/s^2] of a displacement [nt] [m].
 
     Its sum over samples is the change of velocity, whatever happens between two of them.
 
+    Parameters
+    ----------
+    speed : float [m/s]
+        What it starts with, and had before.
+
+    Examples
+    --------
     An acceleration of 8 m/s^2 from the start on, half a sample of which lies before the first:
 
     >>> found = mean_acceleration(0.5 * 8.0 * (np.arange(6) / 1000.0) ** 2, 1000.0)

@@ -312,8 +312,13 @@ class Endings:
 def outcomes_of(
     scene: Scene, endings: Endings, runs: int, columns: Mapping[str, Floats] = MappingProxyType({})
 ) -> tuple[Outcome, ...]:
-    """The outcome of every run of a scene; gravity and kinds of contacts are the same in all. columns : what differs
-    [runs], by BODY.mass, CONTACT.stiffness, CONTACT.damping."""
+    """The outcome of every run of a scene; gravity and kinds of contacts are the same in all.
+
+    Parameters
+    ----------
+    columns : Mapping[str, Floats]
+        What differs [runs], by BODY.mass, CONTACT.stiffness, CONTACT.damping.
+    """
     touched, closed, together = (np.zeros(runs, dtype=bool) for _ in range(3))
     still = {}
     for contact in scene.contacts:
@@ -349,10 +354,15 @@ def _settling(scene: Scene, contact: Contact, columns: Mapping[str, Floats]) -> 
 
 
 def _rest(scene: Scene, endings: Endings, still: Mapping[str, Flags]) -> Flags:
-    """Whether all contacts that are closed at the end carry a body that gravity pulls, were closed at the start or hold
-    their bodies together, and did so for a while: no event in the last part of the window, in which the body hardly
-    gained speed. A ball in the middle of a bounce gains speed at many times gravity. still : of the contacts that hold
-    bodies together, whether these are at rest on each other."""
+    """Whether all contacts that are closed at the end carry a body that gravity pulls, were closed at the start or
+    hold their bodies together, and did so for a while: no event in the last part of the window, in which the body
+    hardly gained speed. A ball in the middle of a bounce gains speed at many times gravity.
+
+    Parameters
+    ----------
+    still : Mapping[str, Flags]
+        Of the contacts that hold bodies together, whether these are at rest on each other.
+    """
     at_rest = np.ones(len(next(iter(still.values()), np.ones(1))), dtype=bool)
     weighing = {body.name for body in scene.bodies if body.falls and scene.gravity > 0.0}
     for contact in scene.contacts:
@@ -382,7 +392,15 @@ def gain_of(velocity: Floats, end_velocity: float, duration: float) -> float:
 def transmitted_share(response: Response, direct: Probe) -> Floats:
     """The share [nt] [N] of all that pushes the structure which reaches a support or joint without any motion.
 
-    direct : of a `ForceRow`. Raises FemstructError when the pushes of the response are not those of its scene.
+    Parameters
+    ----------
+    direct : Probe
+        Of a `ForceRow`.
+
+    Raises
+    ------
+    FemstructError
+        When the pushes of the response are not those of its scene.
     """
     if not len(direct.weights):
         return np.zeros(len(response.t))
@@ -414,7 +432,13 @@ def ground_contact_force(response: Response) -> Floats | None:
 
 
 def _each_push(response: Response, seen: Callable[[End], Floats]) -> Floats:
-    """What every push of a scene works on, a row each in the order of `Response.pushes`; seen : of one of its ends."""
+    """What every push of a scene works on, a row each in the order of `Response.pushes`.
+
+    Parameters
+    ----------
+    seen : Callable[[End], Floats]
+        Of one of its ends.
+    """
     rows: list[Floats] = []
     for contact in response.scene.contacts:
         approach = seen(contact.lower) - seen(contact.upper)

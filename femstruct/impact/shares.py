@@ -229,8 +229,13 @@ def _renew(system: System, unloaded: Floats, now: float, z: Floats, v: Floats) -
 def _carry(
     system: System, unloaded: Floats, begin: float, end: float, z: Floats, v: Floats, floor: float
 ) -> tuple[Floats, Floats]:
-    """The state some fraction of a sample later, by scipy's DOP853. floor : of the speed of coordinates that errors are
-    measured by; what moves by rounding alone has none of its own."""
+    """The state some fraction of a sample later, by scipy's DOP853.
+
+    Parameters
+    ----------
+    floor : float
+        Of the speed of coordinates that errors are measured by; what moves by rounding alone has none of its own.
+    """
     n, lasts = len(z), end - begin
     pace = max(float(np.sqrt(np.sum(v**2 + (system.omega * z) ** 2))), floor) or 1.0
     held = np.abs(_forces(begin, system, unloaded, z, v))
@@ -292,7 +297,12 @@ def _force(t: float, system: System, unloaded: Floats, a: int, place: float, rat
 def energy_shares(balance: EnergyBalance, groups: Sequence[EnergyGroup], dashpots: float = 0.0) -> dict[str, float]:
     """What holds energy and what took it, by name, as shares of all that is stored and lost at that instant [1].
 
-    An array of bodies, "NAME.1" and on, counts as one. dashpots : what of `lost_modes` the structure's own took [J].
+    An array of bodies, "NAME.1" and on, counts as one.
+
+    Parameters
+    ----------
+    dashpots : float
+        What of `lost_modes` the structure's own took [J].
     """
     held: dict[str, float] = {}
     for body, energy in balance.bodies.items():

@@ -80,9 +80,14 @@ R = TypeVar("R")
 def run_in_thread(call: Callable[[], R], stop: Integers) -> R:
     """What a call returns or raises, from a thread of its own.
 
-    stop [1] : the call looks at it and ends when it is not zero; it is set when the wait is interrupted (Ctrl-C), which
-    is then raised at once.
+    Parameters
+    ----------
+    stop : Integers [1]
+        The call looks at it and ends when it is not zero; it is set when the wait is interrupted (Ctrl-C), which is
+        then raised at once.
 
+    Examples
+    --------
     >>> import numpy as np
     >>> run_in_thread(lambda: 6 * 7, np.zeros(1, dtype=np.int64))
     42
@@ -258,7 +263,13 @@ def _felt(compiled: Compiled, motion: Motion, state: State, record: RunRecord) -
 
 
 def _bodies(scene: Scene, compiled: Compiled, motion: Motion, state: State, push: Floats) -> dict[str, BodyHistory]:
-    """Motions of the bodies and what pushes them; push [r, nt] : forces of all rows."""
+    """Motions of the bodies and what pushes them.
+
+    Parameters
+    ----------
+    push : Floats [r, nt]
+        Forces of all rows.
+    """
     k, modes = compiled.system.n_modes, compiled.pushed.shape[1]
     displacement, velocity = (
         coordinates(motion, what, modes, modes + len(scene.bodies)) / compiled.scale[k:, None]
@@ -363,7 +374,15 @@ def _judged(
     clock: Clock,
     tick: float,
 ) -> JudgedRun:
-    """What findings look at; residual : of the ledger. tick [s] : the shortest step, 0 for a march without one."""
+    """What findings look at.
+
+    Parameters
+    ----------
+    residual : float
+        Of the ledger.
+    tick : float [s]
+        The shortest step, 0 for a march without one.
+    """
     rows = compiled.contacts.items()
     return JudgedRun(
         residual=residual,
@@ -384,7 +403,13 @@ def _findings(
     clock: Clock,
     rings: bool,
 ) -> tuple[Finding, ...]:
-    """What is to be known of a run; rings : whether the structure loses energy, so that its decay can be judged."""
+    """What is to be known of a run.
+
+    Parameters
+    ----------
+    rings : bool
+        Whether the structure loses energy, so that its decay can be judged.
+    """
     peaks = {name: contact.peak_force for name, contact in contacts.items()}
     return (
         *run_findings(scene.contacts, run),

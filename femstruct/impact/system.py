@@ -70,10 +70,18 @@ class Compiled:
 
 
 def compile_scene(basis: ModalBasis, scene: Scene, clock: Clock, finest: int = FINEST_HALVINGS) -> Compiled:
-    """The scene as rows over [modes; bodies]. finest : halvings of the sampling interval to a tick, at most.
+    """The scene as rows over [modes; bodies].
 
-    Raises FemstructError for a name used twice, an end that is no body, a preloaded stop, a modal velocity of the
-    wrong length, or nothing that could move.
+    Parameters
+    ----------
+    finest : int
+        Halvings of the sampling interval to a tick, at most.
+
+    Raises
+    ------
+    FemstructError
+        For a name used twice, an end that is no body, a preloaded stop, a modal velocity of the wrong length, or
+        nothing that could move.
     """
     n_samples, halvings, tick = _ticks(clock, finest)
     on = _coordinates(basis, scene, tick)

@@ -99,7 +99,13 @@ SCATTERED: Final = "scattered"
 
 def refuse_beside_source(body: Mapping[str, Any], of_blows: Collection[str]) -> None:
     """Refuse keys that a `source` brings itself, and a tapping machine without a law or whose hammers strike at given
-    times. of_blows : the keys that blows can have."""
+    times.
+
+    Parameters
+    ----------
+    of_blows : Collection[str]
+        The keys that blows can have.
+    """
     name = str(body["source"])
     tapping = name == TAPPING_MACHINE
     brought = ["mass", "drop_height", "speed", "below", "before", "after"] + ([] if tapping else ["contact"])
@@ -282,8 +288,16 @@ class BodySpec(Spec):
     ) -> None:
         """Note what is wrong with it.
 
-        count : how many bodies it stands for. others : names of bodies and of the ground. laws : of its contacts.
-        has_receivers : whether its own sound is computed, in open air with receivers on its side.
+        Parameters
+        ----------
+        count : int
+            How many bodies it stands for.
+        others : Collection[str]
+            Names of bodies and of the ground.
+        laws : list[LawSpec]
+            Of its contacts.
+        has_receivers : bool
+            Whether its own sound is computed, in open air with receivers on its side.
         """
         there = here.at(self.side)
         expected = f"a point of {HAMMERS} places, or of {HAMMERS} for each position"
@@ -326,7 +340,13 @@ class BodySpec(Spec):
         )
 
     def check_strikes(self, here: Here, joined: bool) -> None:
-        """Note one that would pass through the place it moves to; joined : whether a contact or link names it."""
+        """Note one that would pass through the place it moves to.
+
+        Parameters
+        ----------
+        joined : bool
+            Whether a contact or link names it.
+        """
         here.need(
             joined or self.contact is not None or not self.start_speed,
             f"a body that moves towards '{self.target}', without a contact: it would pass through",
@@ -335,7 +355,13 @@ class BodySpec(Spec):
         )
 
     def build(self, name: str, law: Law | None) -> PlacedBody:
-        """The body it describes; law : of its own contact, None where there is none."""
+        """The body it describes.
+
+        Parameters
+        ----------
+        law : Law | None
+            Of its own contact, None where there is none.
+        """
         blows, dropped = self.blows.noun() if self.blows is not None else None, self.drop_height is not None
         return PlacedBody(
             name,
@@ -370,7 +396,10 @@ def ends_of(bodies: Mapping[str, BodySpec], a: str, b: str) -> Ends:
 def law_of(spec: LawSpec, ends: Ends, here: Here, sources: dict[str, str]) -> Law | None:
     """The contact law of a spec that stands here; None with a mistake noted.
 
-    sources : is given the texts of the files that the law names, by their names.
+    Parameters
+    ----------
+    sources : dict[str, str]
+        Is given the texts of the files that the law names, by their names.
     """
     return here.make(lambda: spec.law(Site(ends, here, sources)))
 
@@ -431,7 +460,15 @@ class BetweenSpec(Spec):
     between: EndsOfContact
 
     def check_ends(self, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
-        """Note what its ends are not. sizes : of arrays of bodies. ends : names of bodies and the ground."""
+        """Note what its ends are not.
+
+        Parameters
+        ----------
+        sizes : Mapping[str, int]
+            Of arrays of bodies.
+        ends : Collection[str]
+            Names of bodies and the ground.
+        """
         counts, there = array_size_of(self.between, sizes, here.names), here.at("between")
         there.need(
             len({count for count in counts if count > 1}) <= 1,
@@ -457,7 +494,13 @@ class ContactSpec(BetweenSpec):
     preload: Annotated[float, Quantity(("force",), least=0.0)] = 0.0
 
     def check_in(self, here: Here, with_blows: Collection[str]) -> None:
-        """Note keys that do not agree; with_blows : bodies that are lifted off at every blow."""
+        """Note keys that do not agree.
+
+        Parameters
+        ----------
+        with_blows : Collection[str]
+            Bodies that are lifted off at every blow.
+        """
         here.need(
             not (self.gap and self.preload),
             f"a gap of {self.gap:g} m and a preload of {self.preload:g} N",
@@ -475,7 +518,13 @@ class ContactSpec(BetweenSpec):
     def build(
         self, here: Here, name: str, bodies: Mapping[str, BodySpec], sources: dict[str, str]
     ) -> PlannedContact | None:
-        """The contact it describes; None with a mistake noted. sources : see `law_of`."""
+        """The contact it describes; None with a mistake noted.
+
+        Parameters
+        ----------
+        sources : dict[str, str]
+            See `law_of`.
+        """
         law = law_of(self.law, ends_of(bodies, *self.between), here.at("law"), sources)
         if law is None:
             return None

@@ -33,14 +33,28 @@ def read_campaign(
 ) -> Campaign:
     """What a study file varies under `vary:` and `samples:`.
 
-    vary : texts ``PATH=FROM:TO:STEPS``, ``PATH=FROM:TO:STEPS:log``, ``PATH=FROM:TO``, ``PATH=VALUE,VALUE``,
+    Parameters
+    ----------
+    vary : Sequence[str]
+        Texts ``PATH=FROM:TO:STEPS``, ``PATH=FROM:TO:STEPS:log``, ``PATH=FROM:TO``, ``PATH=VALUE,VALUE``,
         ``PATH=normal(MEAN, SD)`` or ``PATH=uniform(FROM, TO)``, beside what the file says or in place of it for the
         same path.
-    overrides : texts ``PATH=VALUE`` that change the files for all samples. case : the only one to run, "" for all.
-    count : of samples of a Latin hypercube, in place of what the file says. only : numbers that a row holds, likewise.
+    overrides : Sequence[str]
+        Texts ``PATH=VALUE`` that change the files for all samples.
+    case : str
+        The only one to run, "" for all.
+    count : int | None
+        Of samples of a Latin hypercube, in place of what the file says.
+    only : Sequence[str]
+        Numbers that a row holds, likewise.
 
-    Raises InputErrors: every mistake, on one line each; a file that varies nothing is one.
+    Raises
+    ------
+    InputErrors
+        Every mistake, on one line each; a file that varies nothing is one.
 
+    Examples
+    --------
     >>> from pathlib import Path
     >>> import tempfile
     >>> study = "model: m.yaml\\nvary: {bodies.ball.mass: {from: 1 kg, to: 2 kg, steps: 3}}"
@@ -84,7 +98,13 @@ def read_campaign(
 
 def refuse_other_cases(tree: Tree, paths: Iterable[str], case: str) -> None:
     """Raise InputErrors for paths that only cases add which are not run; an unknown case is refused where the study is
-    read. tree : of the study."""
+    read.
+
+    Parameters
+    ----------
+    tree : Tree
+        Of the study.
+    """
     listed = tree.value.get("cases")
     if isinstance(listed, dict) and case not in listed:
         return
@@ -100,8 +120,15 @@ def refuse_other_cases(tree: Tree, paths: Iterable[str], case: str) -> None:
 
 
 def set_by_cases(study: Mapping[str, Any], paths: Iterable[str], cases: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Paths that cases set themselves, by case: they do not vary there. study : the file.
+    """Paths that cases set themselves, by case: they do not vary there.
 
+    Parameters
+    ----------
+    study : Mapping[str, Any]
+        The file.
+
+    Examples
+    --------
     >>> set_by_cases({"cases": {"heavy": {"bodies.ram.mass": "9 kg"}}}, ["bodies.ram.mass"], ["heavy"])
     {'heavy': ('bodies.ram.mass',)}
     """
@@ -119,8 +146,15 @@ def _within(path: str, key: str) -> bool:
 
 
 def refuse_set_by_cases(tree: Tree, paths: Iterable[str], cases: Collection[str], swept: bool = False) -> None:
-    """Raise InputErrors for paths that every case that is run sets itself. tree : of the study. swept : `vary:` is
-    asked for, not `optimise:`."""
+    """Raise InputErrors for paths that every case that is run sets itself.
+
+    Parameters
+    ----------
+    tree : Tree
+        Of the study.
+    swept : bool
+        `vary:` is asked for, not `optimise:`.
+    """
     paths, mistakes = tuple(paths), Mistakes()
     own = set_by_cases(tree.value, paths, cases)
     for path in (one for one in paths if cases and all(one in own.get(case, ()) for case in cases)):
@@ -151,7 +185,13 @@ def override_study(path: str | Path, overrides: Sequence[str], keys: Collection[
 
 
 def varied_by(texts: Sequence[str], mistakes: Mistakes, *, ranges: bool = False) -> dict[str, Listed | Scattered]:
-    """What the command line varies, by path. ranges : without steps, as in FROM:TO:log."""
+    """What the command line varies, by path.
+
+    Parameters
+    ----------
+    ranges : bool
+        Without steps, as in FROM:TO:log.
+    """
     found: dict[str, Listed | Scattered] = {}
     for text in texts:
         tree = _short(text, mistakes, ranges)
@@ -215,12 +255,28 @@ def read_search(
 ) -> Search:
     """What a study file optimises under `optimise:`.
 
-    goal : "minimise NAME" or "maximise NAME", or several, in place of what the file says. vary : texts
-    ``PATH=FROM:TO`` or ``PATH=FROM:TO:log`` of what may be chosen, beside what the file says. limits : texts
-    ``NAME=VALUE``. overrides, case : as for `read_campaign`. runs : of the study at most.
+    Parameters
+    ----------
+    goal : str | Sequence[str]
+        "minimise NAME" or "maximise NAME", or several, in place of what the file says.
+    vary : Sequence[str]
+        Texts ``PATH=FROM:TO`` or ``PATH=FROM:TO:log`` of what may be chosen, beside what the file says.
+    limits : Sequence[str]
+        Texts ``NAME=VALUE``.
+    overrides : Sequence[str]
+        As for `read_campaign`.
+    case : str
+        As for `read_campaign`.
+    runs : int | None
+        Of the study at most.
 
-    Raises InputErrors: every mistake, on one line each; a file that optimises nothing is one.
+    Raises
+    ------
+    InputErrors
+        Every mistake, on one line each; a file that optimises nothing is one.
 
+    Examples
+    --------
     >>> from pathlib import Path
     >>> import tempfile
     >>> study = "model: m.yaml\\noptimise: {minimise: ground force, vary: {bodies.damper.mass: {from: 1 kg, to: 9 kg}}}"

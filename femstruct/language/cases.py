@@ -36,16 +36,28 @@ def read_study(
 ) -> Plan:
     """A study file, its model and its cases, resolved and in SI units.
 
-    overrides : texts ``PATH=VALUE`` that change the files before the cases do; paths of the study, its cases and its
-        model.
-    only : run this case alone; it is then the baseline, too. others : False to leave the other cases unread, for who
-        reads a study again and again.
+    Parameters
+    ----------
+    overrides : Sequence[str]
+        Texts ``PATH=VALUE`` that change the files before the cases do; paths of the study, its cases and its model.
+    only : str | None
+        Run this case alone; it is then the baseline, too.
+    others : bool
+        False to leave the other cases unread, for who reads a study again and again.
 
-    Returns a Plan: cases in the order of the file, without `cases:` one named "as given".
+    Returns
+    -------
+    Plan
+        A Plan: cases in the order of the file, without `cases:` one named "as given".
 
-    Raises InputErrors: every mistake of both files and all cases that are read, each on one line
-    ``file:line:column: path: got, expected; do``.
+    Raises
+    ------
+    InputErrors
+        Every mistake of both files and all cases that are read, each on one line ``file:line:column: path: got,
+        expected; do``.
 
+    Examples
+    --------
     >>> from pathlib import Path
     >>> import tempfile
     >>> model = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"

@@ -192,7 +192,13 @@ class FatigueSpec(Spec):
         time: TimeSpec | None,
         random: Collection[str],
     ) -> None:
-        """Note what is wrong with its channel and its S-N line. random : excitations that have a psd and a duration."""
+        """Note what is wrong with its channel and its S-N line.
+
+        Parameters
+        ----------
+        random : Collection[str]
+            Excitations that have a psd and a duration.
+        """
         known = [f"{target} {what}" for target, quantities in records.items() for what in quantities]
         expected = "a recorded channel, such as 'brace force' of 'record: {brace: force}'"
         do = "add 'time: {duration: 1 s, sampling: 48 kHz}'"

@@ -261,7 +261,13 @@ class LoadSpec(Spec):
         return "point" if self.at is not None else "body" if self.body is not None else "surface"
 
     def check_in(self, here: Here, bodies: Collection[str]) -> None:
-        """Note what is wrong with it; bodies : names of all, those of arrays too."""
+        """Note what is wrong with it.
+
+        Parameters
+        ----------
+        bodies : Collection[str]
+            Names of all, those of arrays too.
+        """
         if self.at is not None:
             if here.at("at").need(
                 not self.at.startswith(GROUND), f"'{self.at}'", "a direction of a point", BASE_IN_TIME
@@ -285,7 +291,13 @@ class LoadSpec(Spec):
             )
 
     def build(self, here: Here, name: str, sources: dict[str, str]) -> PlannedLoad | PlannedWalk | None:
-        """The load it describes; None with a mistake noted. sources : is given the text of its file, by its name."""
+        """The load it describes; None with a mistake noted.
+
+        Parameters
+        ----------
+        sources : dict[str, str]
+            Is given the text of its file, by its name.
+        """
         repeat = Repeat(self.count or 1, self.every or 0.0, self.first)
         if self.walking is not None:
             return PlannedWalk(name, self.along or (), self.walking.noun(), repeat)

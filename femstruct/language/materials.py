@@ -77,8 +77,15 @@ class AirSpec(Spec):
 
 
 def entry_for(use: Use, words: str, word: str = "") -> BeforeValidator:
-    """Annotation of a text that names an entry; others are refused with the nearest. words : what it is; word : with
-    which `femstruct materials` lists such."""
+    """Annotation of a text that names an entry; others are refused with the nearest.
+
+    Parameters
+    ----------
+    words : str
+        What it is.
+    word : str
+        With which `femstruct materials` lists such.
+    """
     known, do = names_for(use), f"femstruct materials {word} lists them".replace("  ", " ")
     return read_by(only(known, words, do), Literal.__getitem__(known))
 

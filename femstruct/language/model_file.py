@@ -115,7 +115,13 @@ class ModelSpec(Spec):
             self.structure.check_point(there, point)
 
     def build(self, title: str, here: Here, sources: dict[str, str]) -> StructureModel | None:
-        """The structure it describes; None with mistakes noted. sources : is given the digests of files it names."""
+        """The structure it describes; None with mistakes noted.
+
+        Parameters
+        ----------
+        sources : dict[str, str]
+            Is given the digests of files it names.
+        """
         closed = self.structure
         if closed is not None:
             return here.at("structure").make(lambda: closed.structure(self.points))

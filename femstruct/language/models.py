@@ -33,10 +33,18 @@ class ModelFile:
 def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFile:
     """A model file as a structure in SI units and its damping.
 
-    overrides : texts ``PATH=VALUE`` that change the file before anything is read.
+    Parameters
+    ----------
+    overrides : Sequence[str]
+        Texts ``PATH=VALUE`` that change the file before anything is read.
 
-    Raises InputErrors: every mistake of the file, each on one line ``file:line:column: path: got, expected; do``.
+    Raises
+    ------
+    InputErrors
+        Every mistake of the file, each on one line ``file:line:column: path: got, expected; do``.
 
+    Examples
+    --------
     >>> import tempfile
     >>> text = "structure: {type: oscillator, mass: 1 kg, stiffness: 100 N/m}\\npoints: {m: {}}"
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -65,10 +73,18 @@ def read_model_file(path: str | Path, overrides: Sequence[str] = ()) -> ModelFil
 def read_model(path: str | Path, overrides: Sequence[str] = ()) -> Model:
     """A model file as a meshed structure, ready for `assemble`; its damping is in `read_model_file`.
 
-    overrides : texts ``PATH=VALUE`` that change the file before anything is read.
+    Parameters
+    ----------
+    overrides : Sequence[str]
+        Texts ``PATH=VALUE`` that change the file before anything is read.
 
-    Raises InputErrors: as `read_model_file`, and for a structure in closed form, which has no mesh.
+    Raises
+    ------
+    InputErrors
+        As `read_model_file`, and for a structure in closed form, which has no mesh.
 
+    Examples
+    --------
     >>> from pathlib import Path
     >>> import tempfile
     >>> text = "materials: {steel: {E: 210 GPa, nu: 0.3, rho: 7850}}\\nparts: {sheet: {type: plate, material: steel, "
@@ -101,8 +117,13 @@ def with_position(source: ModelFile | Plan, error: FemstructError) -> str:
 def built_model(
     spec: ModelSpec, tree: Tree, mistakes: Mistakes, sources: dict[str, str]
 ) -> tuple[StructureModel | None, Damping | None]:
-    """Structure and damping of a checked model; None where a mistake was noted. sources : is given the digests of the
-    files that it names."""
+    """Structure and damping of a checked model; None where a mistake was noted.
+
+    Parameters
+    ----------
+    sources : dict[str, str]
+        Is given the digests of the files that it names.
+    """
     here = Here(tree, mistakes)
     return spec.build(title_of(tree), here, sources), here.at("damping").make(spec.damping.noun)
 

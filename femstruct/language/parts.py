@@ -115,9 +115,17 @@ class PartSpec(Spec):
         return self.made_of(name, of)
 
     def made_of(self, name: str, of: Library, **more: Any) -> Part:
-        """The noun, of what its keys name in the library. more : what the keys do not say themselves.
+        """The noun, of what its keys name in the library.
 
-        Raises FemstructError where it `makes` no part.
+        Parameters
+        ----------
+        more : Any
+            What the keys do not say themselves.
+
+        Raises
+        ------
+        FemstructError
+            Where it `makes` no part.
         """
         found: dict[str, Any] = {"material": of.materials, "section": of.sections}
         named = {key: found[key][getattr(self, key)] for key in found if getattr(self, key, None) is not None}

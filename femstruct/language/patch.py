@@ -122,8 +122,13 @@ class Patch:
             self.add(key, value, there.at("add", key))
 
     def assign(self, path: str, value: Any, there: Here, of_cases: bool = False) -> None:
-        """Set what a path names to a value; a mapping patches a mapping. of_cases : whether it may be what cases
-        add."""
+        """Set what a path names to a value; a mapping patches a mapping.
+
+        Parameters
+        ----------
+        of_cases : bool
+            Whether it may be what cases add.
+        """
         draft = self.draft(path)
         steps = self._find(draft, path, there, may_be_new=True, of_cases=of_cases)
         if draft is not None and steps is not None:

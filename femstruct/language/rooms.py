@@ -245,8 +245,12 @@ class RoomSpec(Spec):
     def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan | None:
         """The room with its receivers; None with mistakes noted.
 
-        sources : is given a digest of its mesh's file. shaped : rooms from meshes that other cases have, by all that
-        is said of them; is given this one.
+        Parameters
+        ----------
+        sources : dict[str, str]
+            Is given a digest of its mesh's file.
+        shaped : dict[str, ShapedRoom]
+            Rooms from meshes that other cases have, by all that is said of them; is given this one.
         """
 
 
@@ -471,7 +475,15 @@ class ClosedSpec(RoomSpec):
     def room(
         self, here: Here, receivers: list[Receiver], sources: dict[str, str], shaped: dict[str, ShapedRoom]
     ) -> SoundField | None:
-        """The room it describes; None with mistakes noted. sources, shaped : see `build`."""
+        """The room it describes; None with mistakes noted.
+
+        Parameters
+        ----------
+        sources : dict[str, str]
+            See `build`.
+        shaped : dict[str, ShapedRoom]
+            See `build`.
+        """
 
     def build(self, here: Here, name: str, sources: dict[str, str], shaped: dict[str, ShapedRoom]) -> RoomPlan | None:
         receivers = self.heard_at()

@@ -216,10 +216,13 @@ class _Arrays:
 
 
 def expand_arrays(study: StudySpec, names: Names, drop: int = 0) -> StudySpec:
-    """The study with NAME.1, NAME.2, ... in place of every array NAME: its bodies, what joins and pushes them, and what
-    is recorded of them. Both ends of a contact or link go along in step; one that is single stays.
+    """The study with NAME.1, NAME.2, ... in place of every array NAME: its bodies, what joins and pushes them, and
+    what is recorded of them. Both ends of a contact or link go along in step; one that is single stays.
 
-    drop : which of the places of a standard source is struck, counted from 0.
+    Parameters
+    ----------
+    drop : int
+        Which of the places of a standard source is struck, counted from 0.
     """
     study = _dropped(study, names, drop)
     sizes = array_sizes(study.bodies, names)
@@ -298,7 +301,10 @@ def _dropped(study: StudySpec, names: Names, drop: int) -> StudySpec:
 def check_study(study: StudySpec, here: Here, model: ModelSpec) -> None:
     """Every name it uses is there, of the right kind, and its keys agree with each other and with the model.
 
-    here : the study file, with the names of the model.
+    Parameters
+    ----------
+    here : Here
+        The study file, with the names of the model.
     """
     structure = model.structure.type if model.structure is not None else None
     here.need(study.modes or structure, "no modes", "how many modes to use", "add 'modes: {up_to: 3 kHz}'")
@@ -340,7 +346,15 @@ def _check_requests(study: StudySpec, here: Here) -> None:
 
 
 def _check_bodies(study: StudySpec, here: Here, sizes: Mapping[str, int], ends: Collection[str]) -> None:
-    """Note what is wrong with bodies. sizes : of arrays of them. ends : names of bodies and of the ground."""
+    """Note what is wrong with bodies.
+
+    Parameters
+    ----------
+    sizes : Mapping[str, int]
+        Of arrays of them.
+    ends : Collection[str]
+        Names of bodies and of the ground.
+    """
     for name, body in study.bodies.items():
         own = [name, *members(name, sizes.get(name, 1))]
         laws = [one.law for one in study.contacts.values() if name in one.between]
@@ -385,7 +399,13 @@ def _check_one_source_moves(study: StudySpec, here: Here) -> None:
 
 
 def _check_time(study: StudySpec, here: Here, structure: str | None) -> None:
-    """Note a wrong or absent window, and an accuracy of nothing; structure : its type, where it has no mesh."""
+    """Note a wrong or absent window, and an accuracy of nothing.
+
+    Parameters
+    ----------
+    structure : str | None
+        Its type, where it has no mesh.
+    """
     if study.time is not None:
         study.time.check(here.at("time"))
         study.time.carries(here.at("peaks", "lowpass"), study.peaks.lowpass or 0.0)
@@ -445,8 +465,12 @@ def study_of(
 ) -> Study | None:
     """The study of a checked study file on a structure; None with mistakes noted.
 
-    sources : is given the texts of the files that the study file names, by their names. shaped : rooms from meshes
-    that other cases have, by all that is said of them; is given this one's.
+    Parameters
+    ----------
+    sources : dict[str, str]
+        Is given the texts of the files that the study file names, by their names.
+    shaped : dict[str, ShapedRoom]
+        Rooms from meshes that other cases have, by all that is said of them; is given this one's.
     """
     named = {frozenset(contact.between) for contact in study.contacts.values()}
     laws = {}

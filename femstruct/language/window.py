@@ -95,7 +95,12 @@ class AccuracySpec(Spec):
     def check_in(self, here: Here, time: TimeSpec | None, structure: str | None, first: float | None) -> None:
         """It needs a simulation, a band below half the sampling, and modes to add.
 
-        structure : the type of a structure in closed form. first : up to where the study asks for modes [Hz].
+        Parameters
+        ----------
+        structure : str | None
+            The type of a structure in closed form.
+        first : float | None
+            Up to where the study asks for modes [Hz].
         """
         low, high = self.band
         there = here.at("band")
@@ -131,7 +136,15 @@ Recorded = Annotated[tuple[RecordedQuantity, ...], words_of(QUANTITIES)]
 def check_records(
     here: Here, records: Mapping[str, Collection[str]], bodies: Collection[str], forced: Collection[str]
 ) -> None:
-    """Note what cannot be recorded. bodies : their names. forced : names of all that has a force."""
+    """Note what cannot be recorded.
+
+    Parameters
+    ----------
+    bodies : Collection[str]
+        Their names.
+    forced : Collection[str]
+        Names of all that has a force.
+    """
     for target, what in ((target, what) for target, quantities in records.items() for what in quantities):
         there, got = here.at("record", target), f"'{target}'"
         if what == "stress":

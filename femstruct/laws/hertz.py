@@ -101,10 +101,17 @@ class Hertz(Law):
     def of_spheres(cls, radius: tuple[float, float], E: tuple[float, float], nu: tuple[float, float]) -> Hertz:
         """Two elastic spheres: k = 4/3 E* sqrt(R), 1/E* = sum (1 - nu^2) / E, 1/R = sum 1 / radius, without loss.
 
-        radius [m], infinite for a flat face; E [Pa]; nu : Poisson's ratios.
+        radius [m], infinite for a flat face; E [Pa].
 
         References: Johnson, Contact Mechanics (1985), equations 4.22 and 4.23.
 
+        Parameters
+        ----------
+        nu : tuple[float, float]
+            Poisson's ratios.
+
+        Examples
+        --------
         >>> f"{Hertz.of_spheres((5e-3, float('inf')), (5.9e9, 210e9), (0.34, 0.34)).stiffness:.2g}"
         '6.1e+08'
         """

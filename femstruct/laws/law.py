@@ -101,7 +101,13 @@ class Law(ABC):
         """Indentation under a force at rest [m]."""
 
     def findings(self, contact: str, deepest: float) -> tuple[Finding, ...]:
-        """What speaks against the law in a run; deepest : largest indentation of its contact [m]."""
+        """What speaks against the law in a run.
+
+        Parameters
+        ----------
+        deepest : float
+            Largest indentation of its contact [m].
+        """
         return ()
 
     @property
@@ -110,8 +116,16 @@ class Law(ABC):
         return {}
 
     def settling_time(self, mass: Floats, columns: Mapping[str, Floats]) -> Floats | None:
-        """How long after they met bodies are at rest together [runs] [s], inf where they part; None of a law that never
-        holds its bodies. mass [runs] or [1] : reduced, of both [kg]. columns : of its fields that vary [runs]."""
+        """How long after they met bodies are at rest together [runs] [s], inf where they part; None of a law that
+        never holds its bodies.
+
+        Parameters
+        ----------
+        mass : Floats [runs] or [1]
+            Reduced, of both [kg].
+        columns : Mapping[str, Floats]
+            Of its fields that vary [runs].
+        """
         return None
 
     @staticmethod
@@ -124,7 +138,14 @@ class Law(ABC):
         """Rates [1/s] of steps in which the law may be left out without giving more speed than is allowed; None where
         nobody has worked them out.
 
-        spring, dashpot : its numbers times the mobility behind it over the speed allowed; speed [m/s] : of meeting.
+        Parameters
+        ----------
+        spring : Floats
+            Its numbers times the mobility behind it over the speed allowed.
+        dashpot : Floats
+            Its numbers times the mobility behind it over the speed allowed.
+        speed : Floats [m/s]
+            Of meeting.
         """
         return None
 

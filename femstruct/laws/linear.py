@@ -139,17 +139,27 @@ class Linear(SpringDashpot):
     ) -> Linear:
         """The law with which a mass returns from a rigid wall with a restitution, at every speed.
 
-        mass [kg] : of the body; two bodies that meet count with m1 m2 / (m1 + m2). duration [s] : of the contact, from
-        the first touch to the end of its force; or the stiffness [N/m], and the duration follows.
-
         Notes: c = 2 z sqrt(k m) with z from `femstruct.laws.restitution.damping_ratio_for`; the contact lasts
         T = 2 swing(z) sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
 
         With tension and a stiffness the restitution may be 0: the bodies stay together.
 
-        Raises InputError unless 0 < restitution <= 1 (or 0 as above), mass and duration or stiffness are positive, and
-        one of these two is given.
+        Parameters
+        ----------
+        mass : float [kg]
+            Of the body; two bodies that meet count with m1 m2 / (m1 + m2).
+        duration : float | None [s]
+            Of the contact, from the first touch to the end of its force; or the stiffness [N/m], and the duration
+            follows.
 
+        Raises
+        ------
+        InputError
+            Unless 0 < restitution <= 1 (or 0 as above), mass and duration or stiffness are positive, and one of these
+            two is given.
+
+        Examples
+        --------
         >>> law = Linear.returning(0.5, mass=2.0, duration=0.01)
         >>> round(law.stiffness), round(law.damping, 3)
         (147456, 277.259)

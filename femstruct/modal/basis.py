@@ -75,7 +75,13 @@ class Holder:
         return held
 
     def turned(self, modes: Floats) -> Holder:
-        """The same in other modes; modes [k, n] : those in terms of these."""
+        """The same in other modes.
+
+        Parameters
+        ----------
+        modes : Floats [k, n]
+            Those in terms of these.
+        """
         return Holder(modes.T @ self.inertia @ modes, modes.T @ self.stiffness @ modes)
 
 

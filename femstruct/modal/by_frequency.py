@@ -34,8 +34,13 @@ class Varying(NamedTuple):
 
 
 def loss_terms(assembly: Assembly, lossy: bool) -> tuple[Varying, ...]:
-    """Walls at edges, and the losses of parts whose loss factors depend on frequency; lossy : whether the law of
-    damping asks for those of parts, else walls are springs alone."""
+    """Walls at edges, and the losses of parts whose loss factors depend on frequency.
+
+    Parameters
+    ----------
+    lossy : bool
+        Whether the law of damping asks for those of parts, else walls are springs alone.
+    """
     found = []
     for name, stiffness in assembly.part_stiffness.items():
         loss = assembly.loss_factors.get(name, 0.0)
@@ -92,11 +97,24 @@ def own_modes(
 ) -> OwnModes:
     """Modes at their own frequencies, from what spans them at a reference.
 
-    stiffness [k, k] : on modes, residual vectors of probes, and those of edges, all orthonormal to the mass, with the
-    walls at the reference. walls : complex stiffness [k, k] of each wall there. rigid, count : how many rigid and how
-    many modes in all; residual : how many vectors of probes follow them.
+    Parameters
+    ----------
+    stiffness : Floats [k, k]
+        On modes, residual vectors of probes, and those of edges, all orthonormal to the mass, with the walls at the
+        reference.
+    walls : Sequence[Complex]
+        Complex stiffness [k, k] of each wall there.
+    rigid : int
+        How many rigid and how many modes in all.
+    count : int
+        How many rigid and how many modes in all.
+    residual : int
+        How many vectors of probes follow them.
 
-    Raises NotConverged where a mode is not found.
+    Raises
+    ------
+    NotConverged
+        Where a mode is not found.
     """
     k, reference = len(stiffness), 2.0 * np.pi * reference_hz
     lossy: Complex = np.sum(walls, axis=0)
@@ -198,7 +216,10 @@ def _turned(stiffness: Floats, shapes: Floats, rigid: int, residual: Floats) -> 
 def wall_shares(own: OwnModes, index: int, loss: float, wall: Floats, rigid: int) -> Floats:
     """What a wall has of the stiffness of the modes [n, n], diagonal, so that its loss factor gives its losses.
 
-    wall [k, k] : its real stiffness on modes and residual vectors at the reference.
+    Parameters
+    ----------
+    wall : Floats [k, k]
+        Its real stiffness on modes and residual vectors at the reference.
     """
     first = len(own.omega) + rigid
     held: Floats = np.einsum("ir,ij,jr->r", own.turn, wall, own.turn)

@@ -103,10 +103,17 @@ class ComplexModes:
 def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> ComplexModes:
     """Complex modes up to a frequency, from the matrices.
 
-    up_to : upper end of |lambda| / 2 pi [Hz]. damping : LossFactor, Rayleigh, FromMaterials, or none beside the
-    dashpots; ratios belong to real modes and are refused.
+    Parameters
+    ----------
+    damping : Damping
+        LossFactor, Rayleigh, FromMaterials, or none beside the dashpots; ratios belong to real modes and are refused.
+    up_to : float
+        Upper end of |lambda| / 2 pi [Hz].
 
-    Raises InputError for a damping it cannot have, NotConverged where a residual stays above 1e-8.
+    Raises
+    ------
+    InputError
+        For a damping it cannot have, NotConverged where a residual stays above 1e-8.
 
     Notes
     -----
@@ -115,6 +122,8 @@ def complex_modes(assembly: Assembly, damping: Damping, up_to: float) -> Complex
     proved, as it is for real modes. Of a free structure rounding errors of lambda = 0 are among them; `elastic_modes`
     leaves them out.
 
+    Examples
+    --------
     >>> from scipy.sparse import csc_array
     >>> from femstruct import LossFactor, given_matrices
     >>> K, M = csc_array([[300.0, -100.0], [-100.0, 100.0]]), csc_array([[1.0, 0.0], [0.0, 1.0]])
@@ -224,7 +233,10 @@ def elastic_modes(found: ComplexModes, rigid: Floats) -> ComplexModes:
     """Those that are no rigid-body motions: of a free structure lambda = 0 is a double root, and what is found near it
     are rounding errors, with any damping.
 
-    rigid : shapes [n_nodes, 7, r] of the motions that strain nothing, as `ModalBasis.shapes` has them.
+    Parameters
+    ----------
+    rigid : Floats
+        Shapes [n_nodes, 7, r] of the motions that strain nothing, as `ModalBasis.shapes` has them.
     """
     if not rigid.shape[2] or not len(found.eigenvalues):
         return found

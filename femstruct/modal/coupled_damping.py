@@ -198,7 +198,10 @@ def energies_of_states(found: Oscillators, z: Floats, v: Floats, scale: float) -
     """Energy of states z, v [s, k] of oscillators, and by how much more than that free motion would lose, or would at
     most [s] [J].
 
-    scale : an energy that none of the states exceeds by far; what is lost in its rounding is left out [J].
+    Parameters
+    ----------
+    scale : float
+        An energy that none of the states exceeds by far; what is lost in its rounding is left out [J].
 
     Notes
     -----
@@ -206,6 +209,8 @@ def energies_of_states(found: Oscillators, z: Floats, v: Floats, scale: float) -
     A form of the state loses what large motions against each other cancel, as of oscillators of almost one shape:
     there the energy is the sum of its squares.
 
+    Examples
+    --------
     >>> from femstruct.modal.oscillators import oscillators
     >>> found = oscillators(np.array([10.0, 20.0]), np.array([[60.0, 30.0], [30.0, 60.0]]))
     >>> z, v = found.kicks @ [[0.6], [0.8]], found.drives @ [[0.6], [0.8]]

@@ -52,7 +52,10 @@ def material_losses(basis: ModalBasis) -> Floats:
 def unused_losses(basis: ModalBasis, damping: Floats) -> tuple[Finding, ...]:
     """Springs, foundations and edges on the ground whose loss factors a general law leaves out, where they matter.
 
-    damping [k, k] : loss factors of the modes times their omega^2 on the diagonal, as the law gives them [rad^2/s^2].
+    Parameters
+    ----------
+    damping : Floats [k, k]
+        Loss factors of the modes times their omega^2 on the diagonal, as the law gives them [rad^2/s^2].
     """
     elastic = np.array([kind == "elastic" for kind in basis.kind])
     found = []

@@ -254,9 +254,15 @@ def _room(rows: int, columns: int) -> tuple[Floats, Floats]:
 def converge(space: Krylov, k: int, tol: float) -> tuple[Floats, Floats]:
     """The k largest eigenvalues of (K - sigma M)^-1 M, descending, and their shapes [n, k]; fewer if there are fewer.
 
-    tol : residual over eigenvalue; where rounding does not let it be reached, the space grows until it is complete.
+    Parameters
+    ----------
+    tol : float
+        Residual over eigenvalue; where rounding does not let it be reached, the space grows until it is complete.
 
-    Raises NotConverged where that would take more than MOST_VECTORS, some ten times what it takes as a rule.
+    Raises
+    ------
+    NotConverged
+        Where that would take more than MOST_VECTORS, some ten times what it takes as a rule.
     """
     look = k
     while True:
@@ -331,11 +337,22 @@ def modes(
 ) -> Modes:
     """Undamped, mass-normalised modes, up to a frequency [Hz] or a number of them; none is skipped.
 
-    K, M [n, n] : sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
-    labels [n] : names of the degrees of freedom, for messages. solver : one of `femstruct.sparse.SOLVERS`.
+    Parameters
+    ----------
+    K : csc_array [n, n]
+        Sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
+    M : csc_array [n, n]
+        Sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
+    labels : Sequence[str] [n]
+        Names of the degrees of freedom, for messages.
+    solver : str
+        One of `femstruct.sparse.SOLVERS`.
 
-    Raises SingularSystem when K and M share a null vector, NotConverged when the inertia count and the modes
-    found do not agree after several attempts.
+    Raises
+    ------
+    SingularSystem
+        When K and M share a null vector, NotConverged when the inertia count and the modes found do not agree after
+        several attempts.
 
     Notes
     -----
@@ -348,6 +365,8 @@ def modes(
     resists it but soft springs, 1e-15 |sigma|. So a structure on springs so soft that it floats below 1e-7 of its own
     first frequency counts as free where it strains in rounding (bending), and below 3e-8 where nothing else resists.
 
+    Examples
+    --------
     >>> two = csc_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
     >>> modes(two, csc_array(np.eye(2)), count=2).eigenvalues.round(12)
     array([1., 3.])
@@ -511,8 +530,12 @@ def _lowest(
 ) -> tuple[Floats, Floats, float]:
     """The k lowest eigenpairs by shift-invert, ascending, M-orthonormal, signed, and the shift.
 
-    request : number of modes and limit that the shift is chosen by. attempt : how often modes were missing before; the
-    space has as many more random directions.
+    Parameters
+    ----------
+    request : tuple[int, float]
+        Number of modes and limit that the shift is chosen by.
+    attempt : int
+        How often modes were missing before; the space has as many more random directions.
     """
     n, M = pencil.K.shape[0], pencil.M
     factor, space = _shifted(pencil, *request, labels)
@@ -581,10 +604,15 @@ def _purified(M: csc_array, factor: Factor, values: Floats, shapes: Floats) -> F
 def _classified(
     K: csc_array, M: csc_array, values: Floats, shapes: Floats, scale: float
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """(values, shapes, which are rigid), ascending, rigid ones 0; scale : |sigma| of the shift-invert [rad^2/s^2].
+    """(values, shapes, which are rigid), ascending, rigid ones 0.
 
     Eigenvalues by shift-invert carry an error of eps |sigma|, Rayleigh quotients one of eps |phi|^T |K| |phi|. The
     modes that the stiffness hardly touches are better by quotients: they are separated by K projected on them.
+
+    Parameters
+    ----------
+    scale : float
+        |sigma| of the shift-invert [rad^2/s^2].
     """
     size = np.abs(shapes)
     slack = (size * (abs(K) @ size)).sum(axis=0) < scale

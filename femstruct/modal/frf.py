@@ -60,7 +60,10 @@ def amplitudes(basis: ModalBasis, pushed: Floats, omega: Floats) -> Iterator[tup
 def superpose(basis: ModalBasis, pushed: Floats, rows: Rows, omega: Floats, tell: Tell = lambda done: None) -> Complex:
     """What `rows` read of the motion under harmonic modal forces [k], at each omega [nf].
 
-    tell : is given the number of lines that are done.
+    Parameters
+    ----------
+    tell : Tell
+        Is given the number of lines that are done.
     """
     answer: Complex = np.empty(len(omega), dtype=np.complex128)
     done = 0
@@ -122,20 +125,30 @@ def frf(
 ) -> Complex:
     """Frequency response [nf] at `response` to a harmonic unit force at `drive`, by superposition of modes.
 
-    frequency_hz [nf] : >= 0 [Hz]; zero is refused when there are rigid modes.
-    kind : receptance displacement / force [m/N], mobility velocity / force, accelerance acceleration / force;
-    transmissibility: for a ForceRow (say `basis.outputs["ground.z"]`) that force over the driving force, for a
-    Probe its displacement over the displacement at the drive point [1]. A ForceRow has no other kind.
-    tell : is given the number of lines that are done.
+    Parameters
+    ----------
+    frequency_hz : ArrayLike [nf]
+        >= 0 [Hz]; zero is refused when there are rigid modes.
+    kind : FrfKind
+        Receptance displacement / force [m/N], mobility velocity / force, accelerance acceleration / force;
+        transmissibility: for a ForceRow (say `basis.outputs["ground.z"]`) that force over the driving force, for a
+        Probe its displacement over the displacement at the drive point [1]. A ForceRow has no other kind.
+    tell : Tell
+        Is given the number of lines that are done.
 
-    Raises InputError for a kind that does not fit, a negative frequency, zero with rigid modes, or a probe that no mode
-    of the basis moves.
+    Raises
+    ------
+    InputError
+        For a kind that does not fit, a negative frequency, zero with rigid modes, or a probe that no mode of the basis
+        moves.
 
     Notes
     -----
     Motion is e^{+j omega t}, loss factors K (1 + j eta). With residual vectors for both probes in the basis and modes
     up to 2.5 times the highest frequency the error is below 1e-3 of the largest response (measured, `direct_frf`).
 
+    Examples
+    --------
     At its resonance an oscillator moves 1 / (k eta), a quarter of a period late:
 
     >>> from femstruct.modal.closed_form import oscillator
@@ -170,8 +183,13 @@ def frf(
 def modal_amplitudes(basis: ModalBasis, drive: Probe, frequency_hz: ArrayLike) -> Complex:
     """Modal coordinates [k, nf] of the response to a harmonic unit force at `drive` [sqrt(kg) m/N].
 
-    frequency_hz [nf] : > 0 where there are rigid modes [Hz].
+    Parameters
+    ----------
+    frequency_hz : ArrayLike [nf]
+        > 0 where there are rigid modes [Hz].
 
+    Examples
+    --------
     >>> from femstruct.modal.closed_form import oscillator
     >>> basis, points = oscillator(4.0, stiffness=100.0)
     >>> modal_amplitudes(basis, points["m"].probe("x"), [0.0]).real
@@ -228,11 +246,18 @@ def direct_frf(
 ) -> Complex:
     """The same response [nf] by factorising K (1 + j eta) + j omega C - omega^2 M at every frequency: the check.
 
-    response : a probe, or the name of a force with its axis, "ground.z".
-    damping : LossFactor, Rayleigh or FromMaterials without exceptions; ratios belong to modes and are refused, except
-    zero. With FromMaterials only forces of parts with a loss factor of their own can be had.
+    Parameters
+    ----------
+    response : Probe | str
+        A probe, or the name of a force with its axis, "ground.z".
+    damping : Damping
+        LossFactor, Rayleigh or FromMaterials without exceptions; ratios belong to modes and are refused, except zero.
+        With FromMaterials only forces of parts with a loss factor of their own can be had.
 
-    Raises InputError for a damping or force it cannot have, NotConverged if a line keeps a residual above 1e-8.
+    Raises
+    ------
+    InputError
+        For a damping or force it cannot have, NotConverged if a line keeps a residual above 1e-8.
     """
     omega = _omega(frequency_hz)
     stiffness, dashpots, eta, law = _complex_stiffness(without_walls(assembly), damping)

@@ -174,8 +174,13 @@ class Contacts(NamedTuple):
 def receiver_mobility(basis: ModalBasis, contacts: Sequence[Probe], frequency_hz: Floats) -> Complex:
     """Mobilities of a structure between contacts [n, n, nf] (at, of) [m/(N s)], by superposition of modes.
 
-    basis : damped, with residual vectors for the contacts.
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped, with residual vectors for the contacts.
 
+    Examples
+    --------
     >>> from femstruct.modal.closed_form import oscillator
     >>> basis, points = oscillator(2.0, stiffness=0.0)  # a free mass: 1 / (j omega m)
     >>> abs(receiver_mobility(basis, [points["m"].probe("x")], np.array([100.0])) * 2 * np.pi * 100.0 * 2.0).round(9)
@@ -190,8 +195,14 @@ def receiver_mobility(basis: ModalBasis, contacts: Sequence[Probe], frequency_hz
 def contact_forces(mobility: Complex, impedance: Complex, has_phase: bool = True) -> Contacts:
     """What reaches a structure of a source, per unit of the blocked force at each contact.
 
-    mobility [n, n, nf] : of the structure [m/(N s)]. impedance [nf] : of the source at each contact [N s/m], 0 for a
-    source of forces. has_phase : whether that is complex, or a magnitude only.
+    Parameters
+    ----------
+    mobility : Complex [n, n, nf]
+        Of the structure [m/(N s)].
+    impedance : Complex [nf]
+        Of the source at each contact [N s/m], 0 for a source of forces.
+    has_phase : bool
+        Whether that is complex, or a magnitude only.
 
     Notes
     -----
@@ -202,6 +213,8 @@ def contact_forces(mobility: Complex, impedance: Complex, has_phase: bool = True
     have it of magnitudes in bands; it lies between (|Y_s| - |Y_r|)^2, or (Re Y_r)^2 where that is more as both are
     passive, and (|Y_s| + |Y_r|)^2.
 
+    Examples
+    --------
     A rigid mass m on a dashpot Z: 1 / (1 + j omega m / Z), the limit of a hammer that does not rebound:
 
     >>> found = contact_forces(np.full((1, 1, 1), 1 / 1620.0 + 0j), np.array([2j * np.pi * 500.0 * 0.5]))
@@ -250,7 +263,12 @@ def resonances_with(
     basis: ModalBasis, contacts: Sequence[Probe], source: SourceMobility, lines_hz: Floats
 ) -> Resonances:
     """Resonances of a structure and a source at all its contacts together, between lines that follow the structure's
-    own. lines_hz [nf] : rising [Hz]. None for a source of forces, or one whose phase is not known.
+    own.
+
+    Parameters
+    ----------
+    lines_hz : Floats [nf]
+        Rising [Hz]. None for a source of forces, or one whose phase is not known.
 
     Notes
     -----
@@ -261,6 +279,8 @@ def resonances_with(
 
     A mass of 3 kg on one of 1 kg whose spring is tuned to 10 Hz: 5 Hz, with half of its damping ratio.
 
+    Examples
+    --------
     >>> from femstruct.modal.closed_form import oscillator
     >>> from femstruct.modal.damping import Damping, Ratio, with_damping
     >>> from femstruct.modal.installed_sources import RigidMass

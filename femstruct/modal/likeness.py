@@ -74,8 +74,18 @@ class Pairing:
 def pairing(a: ModalBasis, b: ModalBasis, near: float = NEAR_EQUAL) -> Pairing:
     """The modes of two bases paired by shape; modes of near-equal frequencies count as one space.
 
-    near : relative width of a group of frequencies [1]; rigid modes are a group. Raises FemstructError as `mac`.
+    Parameters
+    ----------
+    near : float
+        Relative width of a group of frequencies [1]; rigid modes are a group.
 
+    Raises
+    ------
+    FemstructError
+        As `mac`.
+
+    Examples
+    --------
     The two modes (1, 2) and (2, 1) of a square plate may be turned into each other by any angle; each is then like one
     of the others by half, and wholly in the space of both:
 
@@ -119,8 +129,13 @@ def pairing_of(
 def near_equal(frequency_hz: ArrayLike, near: float = NEAR_EQUAL) -> Integers:
     """Number of the group of every frequency [k]; a group is at most `near` wide, relative to its lowest one.
 
-    frequency_hz [k] : ascending; those of rigid modes, zero, are a group.
+    Parameters
+    ----------
+    frequency_hz : ArrayLike [k]
+        Ascending; those of rigid modes, zero, are a group.
 
+    Examples
+    --------
     >>> near_equal([0.0, 0.0, 50.0, 50.01, 50.2]).tolist()
     [0, 0, 1, 1, 2]
     """

@@ -237,15 +237,26 @@ def frf_table(
 ) -> FrfTable:
     """Frequency responses of all responses to harmonic unit forces at all drives, by superposition of modes.
 
-    drives, responses : by name, POINT.direction or NAME.force. kind : as for `frf`; None for accelerance of places and
-    transmissibility of forces.
+    Parameters
+    ----------
+    drives : Mapping[str, Probe]
+        By name, POINT.direction or NAME.force.
+    responses : Mapping[str, Probe | ForceRow]
+        By name, POINT.direction or NAME.force.
+    kind : FrfKind | None
+        As for `frf`; None for accelerance of places and transmissibility of forces.
 
-    Raises InputError as `frf`: a direction without motion, zero frequency of a free structure, a kind that is none.
+    Raises
+    ------
+    InputError
+        As `frf`: a direction without motion, zero frequency of a free structure, a kind that is none.
 
     Notes
     -----
     Modal amplitudes are computed once for every drive. Residual vectors are wanted for the probes on both sides.
 
+    Examples
+    --------
     >>> from femstruct import oscillator
     >>> basis, points = oscillator(2.0, stiffness=50.0)
     >>> here = points["m"].probe("x")
@@ -311,10 +322,16 @@ class Correlation:
 def correlation(measured: MeasuredModes, basis: ModalBasis, shown: Refined, near: float = NEAR_MEASURED) -> Correlation:
     """Which mode of a model each measured one is, by the modal assurance criterion in the measured directions.
 
-    shown : the model subdivided (`refine_model`); measured places take the motion of the nearest place on it.
+    Parameters
+    ----------
+    shown : Refined
+        The model subdivided (`refine_model`); measured places take the motion of the nearest place on it.
 
-    Raises InputError where measured places are farther from the model than 5 % of its size, and where nothing is
-    measured or there is nothing to compare it with.
+    Raises
+    ------
+    InputError
+        Where measured places are farther from the model than 5 % of its size, and where nothing is measured or there is
+        nothing to compare it with.
     """
     size = float(np.ptp(shown.points, axis=0).max(initial=0.0))
     if not measured.directed.any():

@@ -46,8 +46,11 @@ REAL: Final = 1e-13  # of an eigenvalue: what is imaginary of one that is real
 def eigenpairs(omega: Floats, damping: Floats) -> tuple[Complex, Complex]:
     """All eigenvalues [2 k] [1/s] and shapes [k, 2 k] of modes with this damping; complex ones are exact conjugates.
 
-    omega [k] : circular frequencies [rad/s]. Those that are zero must have damping of their own: their displacements
-    act on nothing, and are the shapes of as many eigenvalues zero, exactly.
+    Parameters
+    ----------
+    omega : Floats [k]
+        Circular frequencies [rad/s]. Those that are zero must have damping of their own: their displacements act on
+        nothing, and are the shapes of as many eigenvalues zero, exactly.
     """
     k = len(omega)
     moved = np.flatnonzero(omega > 0.0)
@@ -70,7 +73,10 @@ def eigenpairs(omega: Floats, damping: Floats) -> tuple[Complex, Complex]:
 def eigenvalues(omega: Floats, damping: Floats) -> Complex:
     """The eigenvalues alone [m + k] [1/s], as a library rounds them; those of motions without any force are left out.
 
-    omega [k] : circular frequencies [rad/s], m of them not zero.
+    Parameters
+    ----------
+    omega : Floats [k]
+        Circular frequencies [rad/s], m of them not zero.
     """
     moved = np.flatnonzero(omega > 0.0)
     return np.asarray(scipy.linalg.eigvals(_state(omega[moved], moved, damping), check_finite=False))
@@ -129,13 +135,21 @@ KNOWN: Final = 1e-10  # of the energies of a pair: what rounding may leave unkno
 def loss_form(omega: Floats, damping: Floats, taken: Floats) -> tuple[Floats, Floats]:
     """The form S of the state y = [z, v] of oscillators, free motion loses y . S y / 2 from now on; and its rounding.
 
-    omega, damping [k] : w, c of z'' + c z' + w^2 z = 0. taken [2 k, 2 k] : W, the power y . W y / 2 of all damping.
-    The rounding [2 k, 2 k] is infinite for pairs that lose nothing.
-
     Notes: S is the integral of exp(B t)^T W exp(B t) over all times, and the solution of B^T S + S B = -W: for each two
     oscillators four equations, solved here by hand. The determinant is (u^2 - w^2)^2 + (c + g)(c u^2 + g w^2), a sum of
     positive terms. Masses and stiffnesses do not enter: that S is the energy is what a balance can be checked by.
 
+    Parameters
+    ----------
+    omega : Floats [k]
+        W, c of z'' + c z' + w^2 z = 0.
+    damping : Floats [k]
+        W, c of z'' + c z' + w^2 z = 0.
+    taken : Floats [2 k, 2 k]
+        W, the power y . W y / 2 of all damping. The rounding [2 k, 2 k] is infinite for pairs that lose nothing.
+
+    Examples
+    --------
     An oscillator of unit mass and a dashpot of 0.5 1/s, which takes 0.5 v^2, loses all of its energy:
 
     >>> S, _ = loss_form(np.array([3.0]), np.array([0.5]), np.array([[0.0, 0.0], [0.0, 1.0]]))
@@ -164,11 +178,19 @@ def loss_form(omega: Floats, damping: Floats, taken: Floats) -> tuple[Floats, Fl
 def loss_surplus(omega: Floats, damping: Floats, speeds: Floats, matrix: Floats, gram: Floats, reach: Floats) -> Floats:
     """What free motion loses from now on, as a form of its state, less the energy [2 k, 2 k].
 
-    speeds [m, 2 k] : q' = speeds y; matrix [m, m] : damping, which takes q' . matrix q'. gram [2 k, 2 k] : the energy
-    is y . gram y / 2. reach [k] : how much larger the energy of an oscillator may be than that of all of them.
-
     Zero where it is lost in rounding: for a rate of 1e9 1/s beside one of 1 1/s, and for oscillators of almost one
     shape, which carry large motions against each other.
+
+    Parameters
+    ----------
+    speeds : Floats [m, 2 k]
+        Q' = speeds y.
+    matrix : Floats [m, m]
+        Damping, which takes q' . matrix q'.
+    gram : Floats [2 k, 2 k]
+        The energy is y . gram y / 2.
+    reach : Floats [k]
+        How much larger the energy of an oscillator may be than that of all of them.
     """
     k = len(omega)
     form, noise = loss_form(omega, damping, 2.0 * (speeds.T @ (matrix @ speeds)))
@@ -400,14 +422,23 @@ ADDED: Final = (0.0, 1e-12, 1e-10, 1e-9, 1e-8)  # shares of the damping that are
 def oscillators(omega: Floats, damping: Floats, resting: bool = True) -> Oscillators:
     """The oscillators of modes of these circular frequencies [k] [rad/s] and this damping matrix [k, k] [rad/s].
 
-    Modes that the matrix does not couple stay what they are. resting : whether anybody asks where modes without
-    stiffness are. Where nobody does there is an oscillator less for every two of them, and they are told from where
-    they come to rest in the end.
-
-    Raises NotConverged where no pairs are found whose residual is below 1e-9.
+    Modes that the matrix does not couple stay what they are.
 
     Two modes of one dashpot: it stops what it moves at once, and lets both ring together without it.
 
+    Parameters
+    ----------
+    resting : bool
+        Whether anybody asks where modes without stiffness are. Where nobody does there is an oscillator less for every
+        two of them, and they are told from where they come to rest in the end.
+
+    Raises
+    ------
+    NotConverged
+        Where no pairs are found whose residual is below 1e-9.
+
+    Examples
+    --------
     >>> pair = oscillators(np.array([10.0, 20.0]), np.array([[60.0, 30.0], [30.0, 60.0]]))
     >>> bool(pair.residual < 1e-12), (pair.damping > 2.0 * pair.omega).tolist()
     (True, [True, False])

@@ -43,18 +43,31 @@ def modal_basis(
 ) -> ModalBasis:
     """Mass-normalised modes up to a frequency or a number of them, with two residual vectors for every probe.
 
-    up_to : upper frequency [Hz]; all modes with f <= up_to are returned, none is skipped (inertia count).
-    count : number of modes, rigid ones counted. Give one of the two.
-    probes : where the structure will be driven or observed; the static response to forces there is exact. The
-    places of permanent dashpots are added to them.
-    base : axes "x", "y", "z" along which all that stands on the ground will be moved as one; the static response to
-    such an acceleration is exact, too.
-    orders : how many residual vectors a probe has: derivatives of responses need the motion itself, not its work.
+    Parameters
+    ----------
+    up_to : float | None
+        Upper frequency [Hz]; all modes with f <= up_to are returned, none is skipped (inertia count).
+    count : int | None
+        Number of modes, rigid ones counted. Give one of the two.
+    probes : Sequence[Probe]
+        Where the structure will be driven or observed; the static response to forces there is exact. The places of
+        permanent dashpots are added to them.
+    base : Sequence[str]
+        Axes "x", "y", "z" along which all that stands on the ground will be moved as one; the static response to such
+        an acceleration is exact, too.
+    orders : int
+        How many residual vectors a probe has: derivatives of responses need the motion itself, not its work.
 
-    Returns a ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.
+    Returns
+    -------
+    ModalBasis
+        A ModalBasis with no other damping than the permanent dashpots': `with_damping` adds the structure's own.
 
-    Raises SingularSystem when K and M share a null vector (a massless mechanism); it names node and component.
-    NotConverged when modes and inertia count do not agree. InputError for dashpots that give energy to a motion.
+    Raises
+    ------
+    SingularSystem
+        When K and M share a null vector (a massless mechanism); it names node and component. NotConverged when modes
+        and inertia count do not agree. InputError for dashpots that give energy to a motion.
 
     Notes
     -----
@@ -62,6 +75,8 @@ def modal_basis(
     pseudo-modes after them have frequencies above, which mean nothing by themselves. `complete_below_hz` ignores them;
     it is infinite for a basis of every mode there is.
 
+    Examples
+    --------
     >>> from femstruct.assembly.matrices import assemble
     >>> from femstruct.model.materials import Material
     >>> from femstruct.model.mesher import mesh_structure

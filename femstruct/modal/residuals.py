@@ -83,12 +83,15 @@ _SOLVES = 200
 def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats, orders: int = 2) -> tuple[Floats, Floats]:
     """Pseudo-modes that complete the response to unit forces: (omega^2 [m], shapes [n, m]), mass-normalised.
 
-    loads [n, p] : a column of forces for every probe. m <= orders p: dependent vectors are dropped.
-
     They span R0 = K^+ b and R1 = K^+ M R0, the static and the first dynamic correction for the modes left out, K^+
     being the inverse on what is M-orthogonal to the modes found; with `orders` above 2 R2 = K^+ M R1 and so on. With
     them the static response to every b is exact; the error in frequency falls as (omega / omega_next)^(2 orders). K and
     M are diagonal on modes and pseudo-modes together.
+
+    Parameters
+    ----------
+    loads : Floats [n, p]
+        A column of forces for every probe. m <= orders p: dependent vectors are dropped.
 
     Notes
     -----
@@ -122,7 +125,12 @@ def residual_vectors(K: csc_array, M: csc_array, found: Modes, loads: Floats, or
 def complement_solve(M: csc_array, shapes: Floats, factor: Factor, loads: Floats) -> Floats:
     """K^+ loads: the deflection under the loads less what the modes found take of it, M-orthogonal to them.
 
-    shapes [n, k] : of the modes. factor : of K - sigma M.
+    Parameters
+    ----------
+    shapes : Floats [n, k]
+        Of the modes.
+    factor : Factor
+        Of K - sigma M.
 
     Notes
     -----

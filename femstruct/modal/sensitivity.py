@@ -48,7 +48,12 @@ def matrix_slopes(
     """Derivatives at `at` by the assemblies at up to four steps from it; None where these have other degrees of
     freedom, places, or loss factors given by frequency that change.
 
-    here : the assembly at `at`. sides : steps in the order in which they are taken, CENTRED, FORWARD or BACKWARD.
+    Parameters
+    ----------
+    here : Assembly
+        The assembly at `at`.
+    sides : Sequence[int]
+        Steps in the order in which they are taken, CENTRED, FORWARD or BACKWARD.
 
     Notes
     -----
@@ -56,6 +61,8 @@ def matrix_slopes(
     Young's modulus, springs, densities and masses, of the third degree in thickness. Two assemblies are enough where
     the matrices lie on a straight line. Otherwise the error is of the fourth power of the step.
 
+    Examples
+    --------
     >>> from femstruct import Block, Spring, PlaceOn, Structure, assemble, mesh_structure
     >>> def one(k):
     ...     block = Block("block", 500.0, origin=(0.0, 0.0, 0.0), size=(1.0, 0.5, 0.2))
@@ -174,8 +181,12 @@ def modal_slopes(basis: ModalBasis, damping: Damping, shapes: Floats, slopes: Ma
     """Derivatives in the modes of a basis without its damping; None where those of the damping are not known:
     exceptions for single modes, and loss factors by frequency.
 
-    shapes [n_free, k] : `free_shapes`. slopes : of the matrices. The law of damping itself is as it is: see
-    `damping_slopes` for its own numbers.
+    Parameters
+    ----------
+    shapes : Floats [n_free, k]
+        `free_shapes`.
+    slopes : MatrixSlopes
+        Of the matrices. The law of damping itself is as it is: see `damping_slopes` for its own numbers.
 
     Notes
     -----
@@ -208,8 +219,15 @@ def modal_slopes(basis: ModalBasis, damping: Damping, shapes: Floats, slopes: Ma
 
 
 def damping_slopes(basis: ModalBasis, lower: Damping, upper: Damping, apart: float) -> ModalSlopes:
-    """Derivatives by a number of the law of damping, which is linear in it. basis : without damping; apart : by how
-    much the number differs between the two laws."""
+    """Derivatives by a number of the law of damping, which is linear in it.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        Without damping.
+    apart : float
+        By how much the number differs between the two laws.
+    """
     less, more = with_damping(basis, lower), with_damping(basis, upper)
     none = np.zeros_like(basis.viscous)
     viscous, hysteretic = more.viscous - less.viscous, more.hysteretic - less.hysteretic
@@ -227,12 +245,17 @@ def added(one: ModalSlopes, other: ModalSlopes) -> ModalSlopes:
 def eigenvalue_slopes(omega: Floats, slopes: ModalSlopes, groups: Integers) -> Floats:
     """Derivatives [k] of omega^2 [rad^2/s^2]: phi^T (dK - omega^2 dM) phi; equal ones as a space.
 
-    groups [k] : number of the group of equal frequencies that a mode belongs to (`near_equal`). The derivatives of a
-    group are the eigenvalues of the matrix that its shapes make, ascending: its modes are those that separate when the
-    parameter changes. Their sum is smooth whatever the shapes.
-
     Source: I. W. Lee, G. H. Jung, Computers & Structures 62 (1997) 429-435, for equal frequencies.
 
+    Parameters
+    ----------
+    groups : Integers [k]
+        Number of the group of equal frequencies that a mode belongs to (`near_equal`). The derivatives of a group are
+        the eigenvalues of the matrix that its shapes make, ascending: its modes are those that separate when the
+        parameter changes. Their sum is smooth whatever the shapes.
+
+    Examples
+    --------
     >>> none, turned = np.zeros((2, 2)), np.array([[0.0, 1.0], [1.0, 0.0]])
     >>> slopes = ModalSlopes(turned, none, none, none)
     >>> eigenvalue_slopes(np.ones(2), slopes, np.array([0, 0])).tolist()
@@ -253,10 +276,21 @@ def shape_slopes(
 ) -> Floats:
     """Derivatives [n_free, w] of the shapes of some modes, without what stays in the space of their own group.
 
-    omega [k], shapes [n_free, k] : all modes up to well above the wanted ones, ascending, without pseudo-modes.
-    chosen [w] : which of them. groups [k] : of equal frequencies; one mode by itself is a group.
+    Parameters
+    ----------
+    omega : Floats [k]
+        All modes up to well above the wanted ones, ascending, without pseudo-modes.
+    shapes : Floats [n_free, k]
+        All modes up to well above the wanted ones, ascending, without pseudo-modes.
+    chosen : Integers [w]
+        Which of them.
+    groups : Integers [k]
+        Of equal frequencies; one mode by itself is a group.
 
-    Raises NotConverged where a mode above those given is too close to a wanted one.
+    Raises
+    ------
+    NotConverged
+        Where a mode above those given is too close to a wanted one.
 
     Notes
     -----
@@ -295,7 +329,10 @@ def _beyond(K: csc_array, M: csc_array, shapes: Floats, loads: Floats, own: Floa
 def motions(damped: ModalBasis, drive: Probe, response: Probe, frequency_hz: Floats) -> tuple[Complex, Complex]:
     """Modal coordinates u, v [nf, k] under harmonic unit forces at the drive and at the response [sqrt(kg) m/N].
 
-    damped : the basis with its damping, with ORDERS residual vectors for both probes.
+    Parameters
+    ----------
+    damped : ModalBasis
+        The basis with its damping, with ORDERS residual vectors for both probes.
     """
     u, v = (modal_amplitudes(damped, probe, frequency_hz).T for probe in (drive, response))
     return u, v
@@ -304,7 +341,12 @@ def motions(damped: ModalBasis, drive: Probe, response: Probe, frequency_hz: Flo
 def frf_slopes(moving: tuple[Complex, Complex], slopes: ModalSlopes, frequency_hz: Floats, kind: FrfKind) -> Complex:
     """Derivative [nf] of a frequency response of motion by one parameter: -v . dZ u.
 
-    moving : `motions` of its drive and response. kind : receptance, mobility or accelerance.
+    Parameters
+    ----------
+    moving : tuple[Complex, Complex]
+        `motions` of its drive and response.
+    kind : FrfKind
+        Receptance, mobility or accelerance.
 
     Notes
     -----

@@ -102,14 +102,20 @@ def sag_displacements(
 ) -> Floats | None:
     """Displacements [n_nodes, 7] of a structure under its own weight [m, rad]; None for one that can move as a whole.
 
-    forces [N] : at probes, beside the weight. held : whether its modes say that it cannot, which else takes a search
-    for one. Walls at edges hold nothing at rest.
+    Parameters
+    ----------
+    forces : Sequence[tuple[Probe, float]] [N]
+        At probes, beside the weight.
+    held : bool
+        Whether its modes say that it cannot, which else takes a search for one. Walls at edges hold nothing at rest.
 
     Notes
     -----
     One static solution, exact for the mesh: a sum over modes lacks what the modes beyond it carry, most of the weight
     of a floor whose first modes are those of a light ceiling.
 
+    Examples
+    --------
     A block of 2 t on a spring of 1 MN/m that holds it every way sinks by m g / k:
 
     >>> from femstruct import Block, PlaceOn, Spring, Structure, assemble, mesh_structure

@@ -206,7 +206,13 @@ def base_excitation(basis: ModalBasis, axis: str, where: str) -> Excitation:
 
 
 def motion(excitation: Excitation, basis: ModalBasis, probe: Probe, rate: int, relative: bool = False) -> Looked:
-    """A displacement (rate 0), velocity (1) or acceleration (2) at a probe; relative : to the base that moves."""
+    """A displacement (rate 0), velocity (1) or acceleration (2) at a probe.
+
+    Parameters
+    ----------
+    relative : bool
+        To the base that moves.
+    """
     along = probe.weights[probe.components == excitation.axis].sum() if excitation.axis is not None else 0.0
     return Looked(of_motion(probe.of(basis.shapes)), rate, 0.0 if relative else float(along))
 
@@ -331,10 +337,19 @@ def resonant_lines(
 ) -> Floats:
     """Frequencies [nf] [Hz] that follow every resonance of a basis in a band, rising, both ends among them.
 
-    also : further frequencies in the band, such as the points of a spectrum. fineness : of a mean square the error goes
-    with one over its square. more : further resonances, as of a structure with a source on it.
+    Parameters
+    ----------
+    also : tuple[float, ...]
+        Further frequencies in the band, such as the points of a spectrum.
+    fineness : float
+        Of a mean square the error goes with one over its square.
+    more : Resonances | None
+        Further resonances, as of a structure with a source on it.
 
-    Raises InputError where that would be more than a million, as with hardly any damping.
+    Raises
+    ------
+    InputError
+        Where that would be more than a million, as with hardly any damping.
 
     Notes
     -----
@@ -342,6 +357,8 @@ def resonant_lines(
     bandwidth zeta f_r and the distance |f - f_r| together (the root of the sum of squares). All natural frequencies in
     the band are lines. Where damping couples modes, resonances are where the structure swings with it.
 
+    Examples
+    --------
     >>> from femstruct.modal.closed_form import given_modes
     >>> basis, _ = given_modes([50.0], [0.01], {"P": [1.0]})
     >>> lines = resonant_lines(basis, (10.0, 100.0))
@@ -405,8 +422,15 @@ class Highest:
     def on(self, lines_hz: Floats, sizes: Floats) -> Highest:
         """The same of finer lines in that band, where its own lines miss it.
 
-        lines_hz [nf] : equally spaced [Hz]. sizes [nf] : magnitudes there.
+        Parameters
+        ----------
+        lines_hz : Floats [nf]
+            Equally spaced [Hz].
+        sizes : Floats [nf]
+            Magnitudes there.
 
+        Examples
+        --------
         >>> Highest(11.97, 0.0342, 0.0116, 1.0, 0.2).on(np.array([11.8, 12.0, 12.2]), np.array([0.01, 0.0335, 0.02]))
         Highest(frequency_hz=11.97, size=0.0342, line=0.0335, step=0.2, needed=0.2)
         """
@@ -419,8 +443,14 @@ class Highest:
 def largest_peak(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: Floats) -> Highest | None:
     """The largest response in the band of some lines, by what lies between them, too.
 
-    respond : values [n] at frequencies [n] [Hz]. lines_hz [nf] : equally spaced [Hz]. sizes [nf] : magnitudes there.
-    None where there is no such number: one line or none, or a mode without damping in the band.
+    Parameters
+    ----------
+    respond : Respond
+        Values [n] at frequencies [n] [Hz].
+    lines_hz : Floats [nf]
+        Equally spaced [Hz].
+    sizes : Floats [nf]
+        Magnitudes there. None where there is no such number: one line or none, or a mode without damping in the band.
 
     Notes
     -----
@@ -429,6 +459,8 @@ def largest_peak(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: F
     resonance of the structure and narrower than the step can be missed: a transmissibility is largest where the driven
     point stands still.
 
+    Examples
+    --------
     >>> from femstruct.modal.closed_form import oscillator
     >>> from femstruct.modal.damping import Damping, LossFactor, with_damping
     >>> from femstruct.modal.frf import frf
@@ -463,8 +495,15 @@ def largest_peak(respond: Respond, basis: ModalBasis, lines_hz: Floats, sizes: F
 
 
 def missed_peak(one: Highest | None, unit: str) -> tuple[Finding, ...]:
-    """A finding where the lines of a response are lower than its largest value by more than 5 %; unit : of the values.
+    """A finding where the lines of a response are lower than its largest value by more than 5 %.
 
+    Parameters
+    ----------
+    unit : str
+        Of the values.
+
+    Examples
+    --------
     >>> missed_peak(Highest(11.97, 0.0342, 0.0116, 1.0, 0.2), "m/(N s^2)")[0].values["needed_hz"]
     0.2
     """
@@ -604,8 +643,14 @@ def random_answer(
 ) -> RandomAnswer:
     """What a linear thing answers to a power spectral density.
 
-    transfer [nf] : its transfer function [unit per unit of what excites]. excitation [nf] : the power spectral density
-    of that, one-sided [its unit^2/Hz]. duration [s] : for the expected largest.
+    Parameters
+    ----------
+    transfer : Complex [nf]
+        Its transfer function [unit per unit of what excites].
+    excitation : Floats [nf]
+        The power spectral density of that, one-sided [its unit^2/Hz].
+    duration : float | None [s]
+        For the expected largest.
 
     Notes
     -----
@@ -614,6 +659,8 @@ def random_answer(
     expected largest of a Gaussian one is rms (g + 0.5772 / g), g = sqrt(2 ln(crossings x duration)): A. G. Davenport,
     Proc. Institution of Civil Engineers 28 (1964) 187-196.
 
+    Examples
+    --------
     White noise from 0 to 100 Hz of 1 unit^2/Hz as it is:
 
     >>> lines = np.linspace(1e-9, 100.0, 2001)
@@ -658,7 +705,10 @@ def harmonic_stress(
 ) -> Stressed:
     """The equivalent stress under a harmonic excitation: the largest of a cycle.
 
-    amplitude [nf] : of what excites. along : the largest of all places at each frequency.
+    Parameters
+    ----------
+    amplitude : Floats [nf]
+        Of what excites. along : the largest of all places at each frequency.
     """
     omega = 2.0 * np.pi * frequency_hz
     rows = _with_base(basis, excitation, places)
@@ -690,7 +740,10 @@ def random_stress(
 ) -> Stressed:
     """The equivalent stress under a random excitation: its root mean square.
 
-    psd [nf] : of what excites. along : the power spectral density at the place of the largest rms.
+    Parameters
+    ----------
+    psd : Floats [nf]
+        Of what excites. along : the power spectral density at the place of the largest rms.
 
     Notes
     -----
@@ -745,7 +798,13 @@ def stress_moments(
     powers: tuple[int, ...],
 ) -> Floats:
     """Spectral moments of the components of the stress at every place [m, p, c, c], of these powers of the frequency
-    [Pa^2 Hz^power], in phase. psd [nf] : of what excites. They follow from those of the modal coordinates."""
+    [Pa^2 Hz^power], in phase.
+
+    Parameters
+    ----------
+    psd : Floats [nf]
+        Of what excites. They follow from those of the modal coordinates.
+    """
     k, weights = len(basis.omega) + 1, psd * _trapezoids(frequency_hz)
     moments = np.zeros((len(powers), k, k))
     for lines, q in _driven(basis, excitation, 2.0 * np.pi * frequency_hz):

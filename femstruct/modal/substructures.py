@@ -80,14 +80,30 @@ def craig_bampton(
 ) -> Reduced:
     """A substructure reduced to its interface and its modes with the interface held, by Craig and Bampton.
 
-    M, K, C [n, n] : mass, stiffness and dashpots [kg, N/m, N s/m]. boundary [b] : degrees of freedom of the interface,
-    which stay as they are. up_to : upper frequency of the modes with the interface held [Hz]; count : how many of
-    them. Give one of the two. labels [n] : names of degrees of freedom, for messages.
-
     Deflections under forces on the interface are exact, and so is the mass of rigid motions. With modes up to twice the
     band, frequencies of what it is joined to are too high by less than 1e-4, as a rule.
 
-    Raises FemstructError for matrices of different sizes and for a boundary that is none.
+    Parameters
+    ----------
+    M : Any [n, n]
+        Mass, stiffness and dashpots [kg, N/m, N s/m].
+    K : Any [n, n]
+        Mass, stiffness and dashpots [kg, N/m, N s/m].
+    boundary : ArrayLike [b]
+        Degrees of freedom of the interface, which stay as they are.
+    up_to : float | None
+        Upper frequency of the modes with the interface held [Hz].
+    count : int | None
+        How many of them. Give one of the two.
+    C : Any [n, n]
+        Mass, stiffness and dashpots [kg, N/m, N s/m].
+    labels : Sequence[str] [n]
+        Names of degrees of freedom, for messages.
+
+    Raises
+    ------
+    FemstructError
+        For matrices of different sizes and for a boundary that is none.
 
     Notes
     -----
@@ -98,6 +114,8 @@ def craig_bampton(
     Source: R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA Journal 6 (1968)
     1313-1319, doi:10.2514/3.4741.
 
+    Examples
+    --------
     Three masses of 1 kg in a row on springs of 1 kN/m, free at both ends; the last is the interface:
 
     >>> K = 1e3 * np.array([[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
@@ -181,7 +199,12 @@ def _without_rounding(reduced: Floats, K: csc_array, recovery: Floats) -> Floats
     """The stiffness [b, b] of the interface without what rounding makes of its rigid motions.
 
     That is rounding of all the terms inside, which are many more, and stiffer, than those that are left of them: joined
-    or free, rigid modes would strain by it. recovery [n, b] : the motions of the whole by it.
+    or free, rigid modes would strain by it.
+
+    Parameters
+    ----------
+    recovery : Floats [n, b]
+        The motions of the whole by it.
     """
     scale = unit_diagonal(csc_array(reduced))
     values, motions = eigh(reduced * scale * scale[:, None])
@@ -246,13 +269,20 @@ class ReducedPart:
 
 
 def reduce_part(model: Model, name: str, *, up_to: float | None = None, count: int | None = None) -> ReducedPart:
-    """A part reduced to the nodes that joints, supports, springs, masses and constraints of a model touch, and to those
-    of its points: what is struck there has its local compliance.
+    """A part reduced to the nodes that joints, supports, springs, masses and constraints of a model touch, and to
+    those of its points: what is struck there has its local compliance.
 
-    up_to, count : of the modes with the interface held, as of `craig_bampton`. What touches it stays in the model.
+    Parameters
+    ----------
+    up_to : float | None
+        Of the modes with the interface held, as of `craig_bampton`. What touches it stays in the model.
+    count : int | None
+        Of the modes with the interface held, as of `craig_bampton`. What touches it stays in the model.
 
-    Raises InputError for a part that is not there, is rigid, is touched by nothing, or whose loss factor depends on
-    frequency.
+    Raises
+    ------
+    InputError
+        For a part that is not there, is rigid, is touched by nothing, or whose loss factor depends on frequency.
     """
     where = f"parts.{name}"
     part = model.parts.get(name)

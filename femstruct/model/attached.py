@@ -91,7 +91,13 @@ def supports_of(where: str, mesh: ImportedMesh, named: Sequence[str]) -> tuple[S
 
 
 def attach_stated(mesh: ImportedMesh, take: Sequence[str], holds: Sequence[StatedHold], users: Users) -> Attached:
-    """What is taken of a file where parts have its nodes. holds : those of its supports that are meant."""
+    """What is taken of a file where parts have its nodes.
+
+    Parameters
+    ----------
+    holds : Sequence[StatedHold]
+        Those of its supports that are meant.
+    """
     there, turning = _nodes_of(mesh, users)
     held = tuple(holds) if "supports" in take else ()
     masses = mesh.stated.masses if "masses" in take else ()
@@ -246,10 +252,18 @@ def average_rows(where: str, link: StatedLink, nodes: Nodes) -> tuple[csr_array,
 
 
 def inert_rows(where: str, masses: Sequence[StatedMass], nodes: Nodes, unit: float) -> tuple[csr_array, Floats, int]:
-    """Rows, masses and count of an `Inert`; unit : of mass of the file [kg].
+    """Rows, masses and count of an `Inert`.
 
-    Raises InputError for a mass or a principal moment below zero, and for a body whose moments or offset ask for the
-    rotation of a node that has none.
+    Parameters
+    ----------
+    unit : float
+        Of mass of the file [kg].
+
+    Raises
+    ------
+    InputError
+        For a mass or a principal moment below zero, and for a body whose moments or offset ask for the rotation of a
+        node that has none.
     """
     shifts, turns, weights, moments = [], [], [], []
     for one in masses:

@@ -57,10 +57,18 @@ class Filling(Protocol):
 
 
 def layer_of(part: Filling, bodies: Mapping[str, FilledBox], tolerance: float) -> LayerPlane:
-    """The layer a foundation fills; bodies : of plates, slabs and blocks by name.
+    """The layer a foundation fills.
 
-    Raises InputError for parts that do not exist, are not parallel, do not face or reach into each other, and for a
-    region that is not on both.
+    Parameters
+    ----------
+    bodies : Mapping[str, FilledBox]
+        Of plates, slabs and blocks by name.
+
+    Raises
+    ------
+    InputError
+        For parts that do not exist, are not parallel, do not face or reach into each other, and for a region that is
+        not on both.
     """
     where = f"parts.{part.name}"
     key = "on" if part.to is None else "between"

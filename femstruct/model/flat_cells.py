@@ -293,8 +293,15 @@ def nodes_at_one_place(points: Floats, tolerance: float) -> Integers:
 
 def best_turns(places: Floats, counted: Floats) -> Floats:
     """Rows [p, 3, k, 3] of the rotation of the rigid motion that fits k places [p, k, 3] best, from their
-    displacements; counted [p, k] : 1 for those that count, 0 for others.
+    displacements.
 
+    Parameters
+    ----------
+    counted : Floats [p, k]
+        1 for those that count, 0 for others.
+
+    Examples
+    --------
     >>> square = np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]])
     >>> turned = np.cross([0.1, 0.2, 0.3], square[0])
     >>> np.einsum("rkc,kc->r", best_turns(square, np.ones((1, 4)))[0], turned).round(9)
@@ -314,8 +321,13 @@ def around(corners: Integers, nodes: Integers, count: int) -> csr_array:
     """Which of `count` nodes have a facet in common with each of some nodes [m]: themselves and those around them, as
     entries of [m, count], in ascending order; none in the row of a node without a facet.
 
-    corners [f, 4] : of the facets; of triangles the last one is there twice.
+    Parameters
+    ----------
+    corners : Integers [f, 4]
+        Of the facets; of triangles the last one is there twice.
 
+    Examples
+    --------
     >>> around(np.array([[0, 1, 2, 3], [2, 3, 4, 4]]), np.array([4, 0, 5]), 6).indices.tolist()
     [2, 3, 4, 0, 1, 2, 3]
     """
@@ -330,7 +342,12 @@ def turns_around(places: Floats, near: csr_array) -> tuple[Integers, Floats]:
     """Rotations of the rigid motions that fit the nodes around each of some nodes best: nodes [m, k] and rows
     [m, 3, k, 7] of them, zero where there are fewer than k.
 
-    places [n, 3] : of all nodes [m]. near : as `around` gives it, with entries in every row.
+    Parameters
+    ----------
+    places : Floats [n, 3]
+        Of all nodes [m].
+    near : csr_array
+        As `around` gives it, with entries in every row.
     """
     counts = np.diff(near.indptr)
     nodes = np.zeros((len(counts), int(counts.max(initial=0))), np.int64)
@@ -361,7 +378,12 @@ def shell_slips(
 ) -> tuple[Finding, ...]:
     """A shell that is too large or too heavy, or whose cells do not fit its thickness.
 
-    thickness : of each cell [m]. mass [kg]. stated : whether the thickness is from the file, in its unit.
+    Parameters
+    ----------
+    thickness : Floats
+        Of each cell [m]. mass [kg].
+    stated : bool
+        Whether the thickness is from the file, in its unit.
     """
     size, t = _size(cells.points), float(np.median(thickness))
     area = float(cells.areas.sum())
@@ -396,7 +418,13 @@ def _meant_thickness(size: float, side: float, t: float, ratio: float) -> list[s
 
 
 def solid_slips(name: str, mesh: ImportedMesh, points: Floats, mass: float) -> tuple[Finding, ...]:
-    """A solid that is too large, too small or too heavy. points [n, 3] : its nodes [m]. mass [kg]."""
+    """A solid that is too large, too small or too heavy.
+
+    Parameters
+    ----------
+    points : Floats [n, 3]
+        Its nodes [m]. mass [kg].
+    """
     size = _size(points)
     if size > LARGEST or mass > HEAVIEST:
         return (_too_large(name, mesh, size, mass, mass * (MM / mesh.scale) ** 3),)
@@ -478,12 +506,24 @@ def _faults(cells: FlatCells) -> dict[str, Integers]:
 def shell_doubts(
     name: str, mesh: ImportedMesh, named: str | None, cells: FlatCells, unit: tuple[Finding, ...]
 ) -> tuple[Finding, ...]:
-    """What is doubtful about the cells of a shell. unit : what is of its unit of length."""
+    """What is doubtful about the cells of a shell.
+
+    Parameters
+    ----------
+    unit : tuple[Finding, ...]
+        What is of its unit of length.
+    """
     return (*unit, *_of_shapes(name, mesh, cells), *_of_file(name, mesh, 2, named))
 
 
 def solid_doubts(name: str, mesh: ImportedMesh, named: str | None, unit: tuple[Finding, ...]) -> tuple[Finding, ...]:
-    """What is doubtful about the cells of a solid, their shapes aside. unit : what is of its unit of length."""
+    """What is doubtful about the cells of a solid, their shapes aside.
+
+    Parameters
+    ----------
+    unit : tuple[Finding, ...]
+        What is of its unit of length.
+    """
     return (*unit, *_of_file(name, mesh, 3, named))
 
 

@@ -443,9 +443,17 @@ class Gathered(NamedTuple):
 
 
 def import_mesh(source: str, found: Gathered, scale: float) -> ImportedMesh:
-    """The mesh of what a reader found; scale : metres in the file's unit of length.
+    """The mesh of what a reader found.
 
-    Raises InputError for numbers that occur twice or that nothing has.
+    Parameters
+    ----------
+    scale : float
+        Metres in the file's unit of length.
+
+    Raises
+    ------
+    InputError
+        For numbers that occur twice or that nothing has.
     """
     nodes, rows = _ordered(found.nodes, "node")
     blocks = _by_kind(found.blocks)
@@ -613,8 +621,13 @@ def outer_line(points: Floats, cells: Integers) -> Floats | None:
     """Corners [n, 3] in turn of the longest closed line round cells [m, 4] [m]; None where there is none, as round a
     closed surface, or where lines touch.
 
-    points [.., 3] : of the nodes. Triangles have their last corner twice.
+    Parameters
+    ----------
+    points : Floats [.., 3]
+        Of the nodes. Triangles have their last corner twice.
 
+    Examples
+    --------
     >>> grid = np.array([[x, y, 0.0] for x in (0, 1, 2) for y in (0, 1, 2)])
     >>> cells = np.array([[0, 3, 4, 1], [3, 6, 7, 4], [1, 4, 5, 2]])  # an L
     >>> outer_line(grid, cells)[:, :2].tolist()

@@ -396,8 +396,13 @@ def materials_of(made_of: AnyMaterial | LayUp) -> tuple[AnyMaterial, ...]:
 def section_of(made_of: AnyMaterial | LayUp, thickness: float) -> PlateSection:
     """Rigidities and masses of a plate of one material, of layers, or smeared, about the middle of its thickness.
 
-    thickness [m] : of one material; that of a lay-up is its own.
+    Parameters
+    ----------
+    thickness : float [m]
+        Of one material; that of a lay-up is its own.
 
+    Examples
+    --------
     >>> steel = Material("steel", E=210e9, nu=0.3, rho=7850.0)
     >>> one = Laminate((Layer(steel, 5e-3),)).section
     >>> bool(np.allclose(section_of(steel, 5e-3).As, one.As, rtol=1e-12))

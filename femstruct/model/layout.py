@@ -33,11 +33,21 @@ MOST_CELLS = 300_000  # 1.6 million of them were killed by a machine of some gig
 
 
 def cell_sides(where: str, size: Pair, mesh: float | tuple[int, int]) -> Pair:
-    """Largest sides of cells along both directions [m]; mesh : a largest side [m], or the least number of divisions.
+    """Largest sides of cells along both directions [m].
 
-    Raises InputError for a mesh that is not positive, and for one that fills the memory of most machines: there the
-    system kills the run without a word.
+    Parameters
+    ----------
+    mesh : float | tuple[int, int]
+        A largest side [m], or the least number of divisions.
 
+    Raises
+    ------
+    InputError
+        For a mesh that is not positive, and for one that fills the memory of most machines: there the system kills the
+        run without a word.
+
+    Examples
+    --------
     >>> cell_sides("parts.floor.mesh", (4.0, 3.0), (8, 2)), cell_sides("parts.floor.mesh", (4.0, 3.0), 0.5)
     ((0.5, 1.5), (0.5, 0.5))
     """
@@ -387,8 +397,13 @@ class Layout:
             self.grids[name, direction].require(float(local[direction]))
 
     def on_bars(self, name: str, position: Floats, *, own: bool = False) -> None:
-        """Nodes of bars at a place, on every piece that passes through it; own : but where these are those of a plate,
-        too."""
+        """Nodes of bars at a place, on every piece that passes through it.
+
+        Parameters
+        ----------
+        own : bool
+            But where these are those of a plate, too.
+        """
         for segment in self.segments[name]:
             starts, ends = np.stack([segment.feet, [segment.start, segment.end]], axis=1)
             for distance, share in zip(*distance_to_segments(position, starts, ends), strict=True):
@@ -434,8 +449,15 @@ class Layout:
 def stretch_inside(places: Floats, across: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
     """Where the lines from place - across (-1) to place + across (1) enter and leave a box, for places [p, 3].
 
-    low, high [3] : corners of the box. A line that misses it enters after it leaves.
+    Parameters
+    ----------
+    low : Floats [3]
+        Corners of the box. A line that misses it enters after it leaves.
+    high : Floats [3]
+        Corners of the box. A line that misses it enters after it leaves.
 
+    Examples
+    --------
     >>> places = np.array([[0.5, 0.5, 1.2], [0.5, 0.5, 1.8]])
     >>> first, last = stretch_inside(places, np.array([0.0, 0.0, 0.4]), np.zeros(3), np.ones(3))
     >>> first <= last, last.round(6)[0]

@@ -146,9 +146,15 @@ def of_hopkins(
     """E, nu, rho and the internal loss factor of a row of Hopkins' table A2, which prints the speed c of longitudinal
     waves in plates [m/s]: E = rho c^2 (1 - nu^2).
 
-    estimated : whether the loss factor is the author's estimate; all ratios nu but of metals and glass are.
-    speeds : the range of c that is printed beside it.
+    Parameters
+    ----------
+    estimated : bool
+        Whether the loss factor is the author's estimate; all ratios nu but of metals and glass are.
+    speeds : tuple[float, float] | None
+        The range of c that is printed beside it.
 
+    Examples
+    --------
     >>> [round(one.value / 1e9, 2) for one in of_hopkins(3800.0, 0.2, 2200.0, 0.005) if one.key == "E"]
     [30.5]
     """

@@ -572,11 +572,26 @@ def material_like(
 ) -> AnyMaterial:
     """A material of the library under a name of its own; `completed` says what was taken, and from which work.
 
-    E, nu, rho, G, loss_factor : in place of those of the entry. A loss factor that neither gives is 0.
+    Parameters
+    ----------
+    E : float | tuple[float, ...] | None
+        In place of those of the entry. A loss factor that neither gives is 0.
+    nu : float | tuple[float, ...] | None
+        In place of those of the entry. A loss factor that neither gives is 0.
+    rho : float | None
+        In place of those of the entry. A loss factor that neither gives is 0.
+    G : tuple[float, ...] | None
+        In place of those of the entry. A loss factor that neither gives is 0.
+    loss_factor : Loss | None
+        In place of those of the entry. A loss factor that neither gives is 0.
 
-    Raises InputError for an entry that is no material, for several moduli where the entry has one, and for one where it
-    has several.
+    Raises
+    ------
+    InputError
+        For an entry that is no material, for several moduli where the entry has one, and for one where it has several.
 
+    Examples
+    --------
     >>> slab = material_like("slab concrete", "concrete C30/37", rho=2500.0)
     >>> slab.E, slab.rho, slab.completed[0]
     (33000000000.0, 2500.0, 'E of concrete C30/37: EN 1992-1-1:2004, table 3.1')

@@ -87,13 +87,18 @@ Loss = float | LossByFrequency
 def laboratory_losses(internal: float = INTERNAL) -> LossByFrequency:
     """The total loss factor of heavy plates in a laboratory, internal + m' / (485 sqrt f), m' their mass per area.
 
-    internal : loss factor of the material itself [1]; ISO 12354-1 has 1 % for common homogeneous materials.
+    Parameters
+    ----------
+    internal : float
+        Loss factor of the material itself [1]; ISO 12354-1 has 1 % for common homogeneous materials.
 
     Notes
     -----
     ISO 12354-1, annex C: for m' below 800 kg/m^2, at 50 Hz to 5 kHz; beyond, the value of the nearest of these. The
     second term is of the edges of the laboratory, so that edges with losses of their own count them twice.
 
+    Examples
+    --------
     >>> from femstruct.model.materials import of_plate
     >>> of_plate(laboratory_losses(0.006), 322.0).at([50.0, 200.0, 1000.0]).round(4).tolist()
     [0.0999, 0.0529, 0.027]
@@ -329,8 +334,13 @@ class Given(NamedTuple):
 def given_fields(noun: Any, units: Mapping[str, str]) -> tuple[Given, ...]:
     """The fields of a frozen dataclass by name, its own name and what is as by default left out.
 
-    units : of the fields that have one.
+    Parameters
+    ----------
+    units : Mapping[str, str]
+        Of the fields that have one.
 
+    Examples
+    --------
     >>> from femstruct.model.materials import Material
     >>> given_fields(Material("steel", E=210e9, nu=0.3, rho=7850.0), {"E": "Pa", "rho": "kg/m^3"})[0]
     Given(what='E', value=210000000000.0, unit='Pa')
@@ -446,8 +456,15 @@ def timber(
     """Softwood of a strength class, x along the grain, with the means of EN 338 as makers print them (KVH structural
     timber, kvh.eu, "Strength, rigidity and density characteristics"); what the standard does not say is `completed`.
 
-    G, rho : in place of those of the class, where they are known better.
+    Parameters
+    ----------
+    G : tuple[float, ...] | None
+        In place of those of the class, where they are known better.
+    rho : float | None
+        In place of those of the class, where they are known better.
 
+    Examples
+    --------
     >>> spruce = timber("boards", "C24")
     >>> spruce.E[:2], spruce.G[1], spruce.rho
     ((11000000000.0, 370000000.0), 69000000.0, 420.0)

@@ -133,7 +133,13 @@ def _at_corners(layout: Layout, parts: Sequence[Part]) -> None:
 
 def _between_nodes(layout: Layout, segment: Segment, other: Part, common: Floats) -> None:
     """Bars no longer than the cells that they lie on beside the nodes there, as oblique ribs do: they are joined at
-    their ends alone. common [n, 3] : nodes on the bars, which divide them already."""
+    their ends alone.
+
+    Parameters
+    ----------
+    common : Floats [n, 3]
+        Nodes on the bars, which divide them already.
+    """
     body = other.body()
     if not np.isfinite(other.cell_size) or body is None or body.across is None:
         return

@@ -282,8 +282,17 @@ class Refined:
 def refine_model(model: Model, divisions: int = 4, along: int | None = None) -> Refined:
     """The model with every cell side and every bar divided into equal pieces; blocks are boxes.
 
-    divisions : pieces a side. along : pieces of a bar, as many if nothing is said. Raises InputError when there is not
-    at least one.
+    Parameters
+    ----------
+    divisions : int
+        Pieces a side.
+    along : int | None
+        Pieces of a bar, as many if nothing is said.
+
+    Raises
+    ------
+    InputError
+        When there is not at least one.
     """
     if divisions < 1:
         raise InputError("divisions", got=f"{divisions}", expected="at least 1")

@@ -437,8 +437,13 @@ class Meshed(ABC):
         raise InputError(f"parts.{self.name}", got="a part without stresses", expected="a plate or a frame")
 
     def moved(self, displacement: Floats, weight: float) -> Floats:
-        """Displacements [p, 3] of places that tell how far it moves, of those of all nodes [n_nodes, 7] [m]; weight :
-        the gravity that it is under beside [m/s^2], 0 for none."""
+        """Displacements [p, 3] of places that tell how far it moves, of those of all nodes [n_nodes, 7] [m].
+
+        Parameters
+        ----------
+        weight : float
+            The gravity that it is under beside [m/s^2], 0 for none.
+        """
         return displacement[self.nodes, :3]
 
     def lines_across(self, along: Floats, origin: Floats) -> Floats:
@@ -447,7 +452,13 @@ class Meshed(ABC):
 
     @abstractmethod
     def drawn(self, divisions: int, along: int, n_nodes: int) -> Drawn:
-        """It for pictures; divisions : pieces of a cell's side, along : of a bar."""
+        """It for pictures.
+
+        Parameters
+        ----------
+        divisions : int
+            Pieces of a cell's side, along : of a bar.
+        """
 
 
 def nodal_dofs(count: int, each: int) -> OwnDofs:
@@ -527,8 +538,13 @@ class Part:
         return ()
 
     def attaches(self, users: Users) -> Attached | None:
-        """What it takes of what a mesh file states beside its cells. users : the cells that parts take of their
-        files."""
+        """What it takes of what a mesh file states beside its cells.
+
+        Parameters
+        ----------
+        users : Users
+            The cells that parts take of their files.
+        """
         return None
 
     @property
@@ -548,7 +564,13 @@ class Part:
 
     def identity(self, places: Mapping[str, object]) -> tuple[object, ...] | None:
         """What it is called and all that makes it what it is but its name; two parts of one identity are one, given
-        twice. None for what is judged by the space it fills. places : what to put for the name of a point."""
+        twice. None for what is judged by the space it fills.
+
+        Parameters
+        ----------
+        places : Mapping[str, object]
+            What to put for the name of a point.
+        """
         return None
 
     def materials(self) -> tuple[AnyMaterial, ...]:
@@ -560,7 +582,13 @@ class Part:
         return ()
 
     def implausible(self, lies: bool) -> tuple[Finding, ...]:
-        """Numbers of its own that are surely not meant, materials aside; lies : whether another part bears it."""
+        """Numbers of its own that are surely not meant, materials aside.
+
+        Parameters
+        ----------
+        lies : bool
+            Whether another part bears it.
+        """
         return ()
 
     def meshed(self, layout: Layout, grids: Grids, first: int) -> Meshed | None:

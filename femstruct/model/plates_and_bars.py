@@ -121,7 +121,13 @@ def _mean_rows(
     supports: Sequence[Support], plane: frozenset[str], held: csr_array, model: Model, tolerance: float
 ) -> csr_array:
     """Mean rigid motions [f, n_nodes * 7] in a plane of all that its simple supports hold, of which supports leave the
-    plates free; held [m, n_nodes * 7] : what they hold in all."""
+    plates free.
+
+    Parameters
+    ----------
+    held : csr_array [m, n_nodes * 7]
+        What they hold in all.
+    """
     lines = [line for item in supports for line, _ in model.parts[str(item.on)].edges(item, tolerance)]
     nodes, weights = np.concatenate(lines), np.concatenate([_lengths(model.mesh.points[line]) for line in lines])
     weights /= weights.sum()
@@ -190,7 +196,12 @@ _TURN = slice(3, 6)
 def contact(pairs: Integers, bars: Meshed, plate: Meshed, points: Floats) -> Floats:
     """Where bars touch a plate [p, 3] [m]: ribs beside it on its face, bars in it and posts in the mid-surface.
 
-    pairs [p, 2] : nodes of the bars and of the plate. points : of all nodes [m].
+    Parameters
+    ----------
+    pairs : Integers [p, 2]
+        Nodes of the bars and of the plate.
+    points : Floats
+        Of all nodes [m].
     """
     return touching_face(pairs[:, 0], points[pairs[:, 1]], bars, plate)
 
@@ -208,10 +219,17 @@ def touching_face(nodes: Integers, foot: Floats, bars: Meshed, plate: Meshed) ->
 def turning_rows(pairs: Integers, bars: Meshed, plate: Meshed, springy: list[int], n_nodes: int) -> list[csr_array]:
     """Rotations of bars less those of a plate that a rigid joint holds at zero, each [m, n_nodes * 7].
 
-    pairs [p, 2] : nodes of the bars and of the plate. springy : numbers of the directions that are springs, and so not
-    held.
+    Parameters
+    ----------
+    pairs : Integers [p, 2]
+        Nodes of the bars and of the plate.
+    springy : list[int]
+        Numbers of the directions that are springs, and so not held.
 
-    Raises InputError for bars of a file that does not say how thick they are.
+    Raises
+    ------
+    InputError
+        For bars of a file that does not say how thick they are.
     """
     if not bars.girth:
         raise InputError(
@@ -241,10 +259,16 @@ def turning_rows(pairs: Integers, bars: Meshed, plate: Meshed, springy: list[int
 def pieces_of(bars: Meshed, pairs: Integers) -> tuple[Integers, Floats, Floats]:
     """Where bars run along what they are joined to.
 
-    pairs [p, 2] : nodes of the bars and of the other part.
+    Parameters
+    ----------
+    pairs : Integers [p, 2]
+        Nodes of the bars and of the other part.
 
-    Returns the pairs [m, 2] at ends of bars both of whose ends are joined, the directions of the bars there [m, 3] and
-    the lengths that belong to them [m] [m]; a straight line is there once, a corner with both its directions.
+    Returns
+    -------
+    tuple[Integers, Floats, Floats]
+        The pairs [m, 2] at ends of bars both of whose ends are joined, the directions of the bars there [m, 3] and the
+        lengths that belong to them [m] [m]; a straight line is there once, a corner with both its directions.
     """
     ends = _within(bars, pairs[:, 0])
     steps = bars.places[ends[:, 1] - bars.first] - bars.places[ends[:, 0] - bars.first]
@@ -288,13 +312,25 @@ def offsets_to_write(names: tuple[str, str], feet: Floats, arms: Floats, corner:
     """What moves lines of bars into a plane and leaves the bars where they are; None where they are not at one height
     over it, or have several offsets.
 
-    names : of the bars and of what lies in the plane. feet, arms [n, 3] : places of their lines, and from there to
-    their axes [m]. corner, normal [3] : of the plane.
+    Parameters
+    ----------
+    names : tuple[str, str]
+        Of the bars and of what lies in the plane.
+    feet : Floats [n, 3]
+        Places of their lines, and from there to their axes [m].
+    arms : Floats [n, 3]
+        Places of their lines, and from there to their axes [m].
+    corner : Floats [3]
+        Of the plane.
+    normal : Floats [3]
+        Of the plane.
 
+    Examples
+    --------
     >>> feet = np.array([[0.1, 0.6, -0.07], [1.9, 0.6, -0.07]])
     >>> offsets_to_write(("rib", "slab"), feet, 0.0 * feet, np.zeros(3), np.array([0.0, 0.0, 1.0]))
-    "if rib is a rib of slab, move its lines by [0, 0, 70 mm] into the mid-surface of slab and write 'offsets: {start: \
-[0, 0, -70 mm], end: [0, 0, -70 mm]}'"
+    "if rib is a rib of slab, move its lines by [0, 0, 70 mm] into the mid-surface of slab and write 'offsets: {start:
+    [0, 0, -70 mm], end: [0, 0, -70 mm]}'"
     """
     heights = (feet - corner) @ normal
     small = _SMALL * float(np.ptp(feet, axis=0).max(initial=0.0))
@@ -420,9 +456,17 @@ def sliding(
 ) -> tuple[Tie, Elastic]:
     """Shifts across the line of a joint, which are held, and those along it, which are sprung.
 
-    pairs [p, 2] : nodes of both parts that are joined; at [p, 3] : where they touch [m].
+    Parameters
+    ----------
+    pairs : Integers [p, 2]
+        Nodes of both parts that are joined.
+    at : Floats [p, 3]
+        Where they touch [m].
 
-    Raises InputError where the parts do not touch along a line.
+    Raises
+    ------
+    InputError
+        Where the parts do not touch along a line.
     """
     axes = next((part.own_axes for part in parts if part.own_axes is not None), np.eye(3))
     which, along, lengths = _lines(pairs, parts, model.mesh.points)

@@ -379,10 +379,18 @@ Box = tuple[float, float, float, float]
 def region_box(where: str, name: str, size: Pair, region: Region, tolerance: float) -> Box:
     """Bounds x0, x1, y0, y1 of a region in its part's coordinates [m], snapped to the part's edges.
 
-    name, size : of a plate, or of a block and the face the region is on.
+    Parameters
+    ----------
+    name : str
+        Of a plate, or of a block and the face the region is on.
+    size : Pair
+        Of a plate, or of a block and the face the region is on.
 
-    Raises InputError for a region that reaches beyond the part, saying by how much, and for a line that does not run
-    along the part's own axes.
+    Raises
+    ------
+    InputError
+        For a region that reaches beyond the part, saying by how much, and for a line that does not run along the part's
+        own axes.
     """
     if region.kind in ("set", "box"):
         raise InputError(where, got=f"a {region.kind} of {name}", expected="a rectangle, a rim or a line of a plate")

@@ -15,10 +15,16 @@ def scatter(
 ) -> tuple[csr_array, csr_array]:
     """Sums of two sets of element matrices [m, nd, nd] at the degrees of freedom [n, nd] of each element, sparse.
 
-    which [n] : whose matrices each element has, where many have the same; None: its own. count : of all degrees of
-    freedom. Where the degrees of freedom of every node stand side by side, blocks of them are put together: a 36th of
-    the places to sort for shells, in a quarter of the time.
+    Parameters
+    ----------
+    count : int
+        Of all degrees of freedom. Where the degrees of freedom of every node stand side by side, blocks of them are put
+        together: a 36th of the places to sort for shells, in a quarter of the time.
+    which : Integers | None [n]
+        Whose matrices each element has, where many have the same; None: its own.
 
+    Examples
+    --------
     >>> K, M = scatter(np.ones((1, 4, 4)), np.ones((1, 4, 4)), np.array([[0, 1, 2, 3], [2, 3, 4, 5]]), 6, [0, 0])
     >>> K.sum(axis=0)
     array([4., 4., 8., 8., 4., 4.])

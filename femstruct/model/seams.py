@@ -123,10 +123,13 @@ def means_over(first: Faces, second: Faces, counted: NDArray[np.bool_]) -> Means
     """Means of the motions of two sides over the area that they share, as `across_faces`, of faces that may reach
     beyond it.
 
-    counted [n] : nodes of the first side that lie on the second, each of which has a function. Those of a face beside
-    the other side's rim are its shape functions, to which those of its other nodes are added evenly, so that all add to
-    one; a face without such a node has one function, that is 1. Where they lie on one line at most, three functions,
-    linear over all that is shared, hold what could turn about it.
+    Parameters
+    ----------
+    counted : NDArray[np.bool_] [n]
+        Nodes of the first side that lie on the second, each of which has a function. Those of a face beside the other
+        side's rim are its shape functions, to which those of its other nodes are added evenly, so that all add to one;
+        a face without such a node has one function, that is 1. Where they lie on one line at most, three functions,
+        linear over all that is shared, hold what could turn about it.
     """
     n, faces = len(first.places), sum(len(nodes) for nodes in first.nodes.values())
     start, whole, size = n, 0.0, n + faces + len(_LINEAR)
@@ -163,7 +166,13 @@ def _in_line(places: Floats) -> bool:
 
 def _functions(overlaps: list[_Overlap], corners: Floats, on: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:
     """Functions of the nodes of faces and of the faces themselves [m, k + 1, k], from those that take a share, and
-    which faces are shared all over [m]. on [m, k] : nodes that count."""
+    which faces are shared all over [m].
+
+    Parameters
+    ----------
+    on : NDArray[np.bool_] [m, k]
+        Nodes that count.
+    """
     shared = np.sum([np.bincount(one.face, one.weights.sum(axis=1), minlength=len(on)) for one in overlaps], axis=0)
     inside = on.all(axis=1) & (shared > (1.0 - _WHOLE) * np.abs(_areas(corners)))
     dual = _dual(overlaps, len(on), ~inside)[0]
@@ -201,8 +210,13 @@ def _overlap(kind: str, corners: Floats, against: str, facing: Integers, places:
 
 
 def _dual(overlaps: list[_Overlap], count: int, without: NDArray[np.bool_] | None = None) -> tuple[Floats, Floats]:
-    """Dual functions of each face from its own [m, k, k], and what belongs to each of its nodes [m, k] [m^2]. without
-    [m] : faces that need none."""
+    """Dual functions of each face from its own [m, k, k], and what belongs to each of its nodes [m, k] [m^2].
+
+    Parameters
+    ----------
+    without : NDArray[np.bool_] | None [m]
+        Faces that need none.
+    """
     k = overlaps[0].shapes.shape[-1]
     products, own = np.zeros((count, k, k)), np.zeros((count, k))
     for one in overlaps:

@@ -92,7 +92,10 @@ def circle(name: str, diameter: float) -> Section:
 def tube(name: str, outer: float, thickness: float) -> Section:
     """Round tube of an outer diameter and a wall thickness; J is the polar moment.
 
-    outer : outer diameter [m]; thickness [m].
+    Parameters
+    ----------
+    outer : float
+        Outer diameter [m]; thickness [m].
 
     Notes
     -----
@@ -109,7 +112,12 @@ def tube(name: str, outer: float, thickness: float) -> Section:
 def box(name: str, width: float, height: float, thickness: float) -> Section:
     """Rectangular box of even wall thickness; width along local y and height along local z are outer sides.
 
-    width, height : outer sides along local y and z [m]; thickness [m].
+    Parameters
+    ----------
+    width : float
+        Outer sides along local y and z [m]; thickness [m].
+    height : float
+        Outer sides along local y and z [m]; thickness [m].
 
     Notes
     -----
@@ -140,7 +148,16 @@ def box(name: str, width: float, height: float, thickness: float) -> Section:
 def i_section(name: str, width: float, height: float, web: float, flange: float) -> Section:
     """Doubly symmetric I: flanges along local y, web along local z; thicknesses of web and flange.
 
-    width, height : over all [m]; web, flange : thicknesses [m].
+    Parameters
+    ----------
+    width : float
+        Over all [m].
+    height : float
+        Over all [m].
+    web : float
+        Thicknesses [m].
+    flange : float
+        Thicknesses [m].
 
     Notes
     -----

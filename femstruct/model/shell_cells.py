@@ -61,8 +61,15 @@ class Rigidities(NamedTuple):
 def cell_sections(
     cells: FlatCells, sections: list[PlateSection], which: Integers, x_direction: Floats | None
 ) -> Sections:
-    """Rigidities and masses of each cell in its own axes. which [q + t] : number of the section of each. x_direction
-    [3] : of the x of the sections, laid into each cell; None where they have none."""
+    """Rigidities and masses of each cell in its own axes.
+
+    Parameters
+    ----------
+    which : Integers [q + t]
+        Number of the section of each.
+    x_direction : Floats | None [3]
+        Of the x of the sections, laid into each cell; None where they have none.
+    """
     A, B, D, As = _in_own_axes(cells, sections, which, x_direction)
     B = B * np.array([one.coupled for one in sections])[which, None, None]  # else it is rounding
     masses = (np.array([getattr(one, name) for one in sections])[which] for name in ("m0", "m1", "m2"))
@@ -95,8 +102,15 @@ def _kinds(cells: FlatCells) -> tuple[Integers, Integers]:
 
 
 def cell_matrices(cells: FlatCells, of: Sections, offset: float) -> tuple[csr_array, csr_array]:
-    """Stiffness and mass [6 n, 6 n] of all cells. of : the sections of all. offset : from the mesh to the middle of the
-    thickness, along the normals [m]; nodes carry it on rigid arms."""
+    """Stiffness and mass [6 n, 6 n] of all cells.
+
+    Parameters
+    ----------
+    of : Sections
+        The sections of all.
+    offset : float
+        From the mesh to the middle of the thickness, along the normals [m]; nodes carry it on rigid arms.
+    """
     K, M = _put_together(
         cells,
         of,
@@ -130,8 +144,15 @@ def _put_together(
     offset: float,
     matrices: Callable[[Any, Floats, Integers], Sequence[Floats]],
 ) -> list[csr_array]:
-    """Sums of matrices of cells; of : all that they depend on beside the corners, one entry a cell. matrices : of a
-    kind of cell, from the corners of some and their numbers."""
+    """Sums of matrices of cells.
+
+    Parameters
+    ----------
+    of : Sequence[Floats]
+        All that they depend on beside the corners, one entry a cell.
+    matrices : Callable[[Any, Floats, Integers], Sequence[Floats]]
+        Of a kind of cell, from the corners of some and their numbers.
+    """
     n_quads, count = len(cells.quads), 6 * len(cells.points)
     found: list[list[csr_array]] = []
     for kind, nodes, first in ((quad_shell, cells.quads, 0), (triangle_shell, cells.triangles, n_quads)):
@@ -195,7 +216,12 @@ def cell_points(cells: FlatCells, which: Integers, order: int) -> CellPlaces:
 def edge_gauss(cells: FlatCells, which: Integers, corner: Integers) -> tuple[Integers, Floats, Floats, Floats, Floats]:
     """Gauss points along edges of cells: cells [p], xi, eta [p], weights [p] [m] and unit vectors along [p, 3].
 
-    which, corner [e] : the cell of each edge and the corner that it runs from.
+    Parameters
+    ----------
+    which : Integers [e]
+        The cell of each edge and the corner that it runs from.
+    corner : Integers [e]
+        The cell of each edge and the corner that it runs from.
     """
     points, shares = gauss_interval(EDGE_ORDER)
     count = np.where(which < len(cells.quads), 4, 3)
@@ -269,10 +295,16 @@ def nearest_places(cells: FlatCells, at: Floats) -> Nearest:
 def cross_turning(cells: FlatCells, centers: Floats, reach: float, axes: Floats) -> tuple[Integers, Floats]:
     """Rotation about the normal of patches that reach so far [m] around places [m, 3] of flat cells.
 
-    axes [3, 3] : two directions in the cells, and the normal. The ends of a cross, as far as they lie on the cells, and
-    its middle move as the cells do; the rotation is that of the rigid motion that fits them best.
+    Parameters
+    ----------
+    axes : Floats [3, 3]
+        Two directions in the cells, and the normal. The ends of a cross, as far as they lie on the cells, and its
+        middle move as the cells do; the rotation is that of the rigid motion that fits them best.
 
-    Returns nodes [m, 20] and rows [m, 1, 20, 7].
+    Returns
+    -------
+    tuple[Integers, Floats]
+        Nodes [m, 20] and rows [m, 1, 20, 7].
     """
     arms = reach * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     ends = centers[:, None] + arms @ axes[:2]
@@ -371,15 +403,24 @@ def face_stresses(
 ) -> FaceStresses:
     """Stresses at all nodes, of each smooth piece of surface that meets there.
 
-    of : the sections of the cells. made : number [q + t] of the section of each cell, and by section the stresses
-    [n, s, 3, 6] on s faces of membrane forces and moments per length. numbers : of the first node, and of all nodes.
-    offset : as of `cell_matrices`. x [3] : of the axes that stresses are given in, laid into each cell; None for that
-    of one of the cells at each place.
-
     Membrane forces are those at 2 x 2 points of quadrilaterals, where they are best, continued bilinearly, and the mean
     of the cells that meet at a place. Moments are those in the middle of cells: a linear field is fitted to them around
     each place, over the cells that meet there or, where the piece ends, over those around these, too, since moments of
     linear cells do not vary towards an edge.
+
+    Parameters
+    ----------
+    of : Sections
+        The sections of the cells.
+    made : tuple[Integers, Floats]
+        Number [q + t] of the section of each cell, and by section the stresses [n, s, 3, 6] on s faces of membrane
+        forces and moments per length.
+    offset : float
+        As of `cell_matrices`.
+    x : Floats | None [3]
+        Of the axes that stresses are given in, laid into each cell; None for that of one of the cells at each place.
+    numbers : tuple[int, int]
+        Of the first node, and of all nodes.
     """
     kinds, of_resultants = made
     corners, nodes = _corners(cells)
@@ -507,7 +548,15 @@ def _gathering(place: Integers, shares: Floats, count: int) -> csr_array:
 def _smooth(cells: FlatCells, corners: Integers, nodes: Integers, kinds: Integers) -> tuple[Integers, Integers]:
     """The place of each corner: those of one node whose cells meet without a fold and alike are one place.
 
-    corners : cells of the corners [k]. Returns places [k], and the first corner of each place.
+    Parameters
+    ----------
+    corners : Integers
+        Cells of the corners [k].
+
+    Returns
+    -------
+    tuple[Integers, Integers]
+        Places [k], and the first corner of each place.
     """
     vectors = area_vectors(cells.points, cells.corners)
     normals = vectors / np.linalg.norm(vectors, axis=1)[:, None]

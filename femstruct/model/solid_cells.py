@@ -153,7 +153,13 @@ def refuse_inverted(where: str, mesh: ImportedMesh, named: str | None) -> None:
 
 
 def matrices(cells: SolidCells, C: Floats, rho: float) -> tuple[csr_array, csr_array]:
-    """Stiffness and mass [3 n, 3 n] of all cells; C [6, 6] : elasticity along global axes [Pa], rho [kg/m^3]."""
+    """Stiffness and mass [3 n, 3 n] of all cells.
+
+    Parameters
+    ----------
+    C : Floats [6, 6]
+        Elasticity along global axes [Pa], rho [kg/m^3].
+    """
     count = 3 * len(cells.points)
     found = []
     for kind, one in cells.cells.items():

@@ -53,7 +53,12 @@ def feet_beside_nodes(bars: Meshed, cells: Meshed, nodes: Integers, there: Integ
     """Nodes of bars that are joined to cells, where ends of bars lie on cells [m] off at most, and some of them beside
     the nodes there; none where all ends that do are at nodes.
 
-    nodes, there : those of both parts that a joint is about.
+    Parameters
+    ----------
+    nodes : Integers
+        Those of both parts that a joint is about.
+    there : Integers
+        Those of both parts that a joint is about.
     """
     ends = np.intersect1d(bars.lines.ravel(), nodes)
     if not len(ends) or not len(there) or cells.edges_of_cells is None:
@@ -69,8 +74,14 @@ def bars_on_cells(
 ) -> tuple[Tie | None, Elastic | None]:
     """Equations and springs of a joint of bars with the cells they lie on.
 
-    parts : the bars and what has the cells. nodes [p] : of the bars, from `feet_beside_nodes`. springs : directions
-    that are sprung, out of six, and their stiffnesses.
+    Parameters
+    ----------
+    parts : tuple[Meshed, Meshed]
+        The bars and what has the cells.
+    nodes : Integers [p]
+        Of the bars, from `feet_beside_nodes`.
+    springs : tuple[list[int], Floats]
+        Directions that are sprung, out of six, and their stiffnesses.
     """
     bars, cells = parts
     springy, values = springs
@@ -199,8 +210,6 @@ def unlike_line(
     """The line along which two shells are joined whose nodes there do not coincide; None where they do, where they
     touch along no line, and where one lies flat on the other.
 
-    nodes : of each part, those that a joint is about. points : of all nodes [m].
-
     The difference of the two motions, deflections between nodes being what the cells make of the rotations, vanishes in
     the mean with dual functions of the edges that lie wholly on the other part, or of the finer ones. These add to one,
     so that forces balance, and constant strains, curvatures and twist go across exactly. Free edges that are chords of
@@ -208,6 +217,13 @@ def unlike_line(
 
     Source: B. I. Wohlmuth, A mortar finite element method using dual spaces for the Lagrange multiplier, SIAM J. Numer.
     Anal. 38 (2000) 989-1012, doi:10.1137/S0036142999350929.
+
+    Parameters
+    ----------
+    nodes : tuple[Integers, Integers]
+        Of each part, those that a joint is about.
+    points : Floats
+        Of all nodes [m].
     """
     if any(part.edges_of_cells is None for part in parts):
         return None
@@ -287,7 +303,10 @@ def bow_between(
 ) -> float:
     """How far chords of a curve lie off it [m] where a part is near another; 0 where both are straight there.
 
-    off : how far the nodes of the first are off the cells of the second [m].
+    Parameters
+    ----------
+    off : Floats
+        How far the nodes of the first are off the cells of the second [m].
     """
     bows = [_bows(part, points) for part in parts]
     most = max(float(one.max(initial=0.0)) for one in bows)
@@ -352,7 +371,10 @@ def _near(facing: Integers, edges: Integers, points: Floats) -> Integers:
 def _pieces(edges: Floats, facing: Floats, tolerance: Floats) -> tuple[Integers, Floats, Floats]:
     """Edges [e, 2, 3] cut where facing ones [f, 2, 3] cross or end on them: edge [p], and its shares from, to [p].
 
-    tolerance [e] : how far off each these may be [m].
+    Parameters
+    ----------
+    tolerance : Floats [e]
+        How far off each these may be [m].
     """
     steps = edges[:, 1] - edges[:, 0]
     square = (steps**2).sum(axis=1)
@@ -470,11 +492,16 @@ def unlike_area(
     they are joined, where their nodes do not coincide there; None where they do, and where they share no flat area.
     Nodes beside it that coincide, as on curved faces, have a row each.
 
-    nodes : of each part, those that a joint is about. points : of all nodes [m].
-
     The difference of the two motions vanishes in the mean, as `femstruct.model.seams` says, with the
     functions of the side whose faces lie on the other, or of the finer one; one sum for all planes, so that an edge
     between two of them has one function.
+
+    Parameters
+    ----------
+    nodes : tuple[Integers, Integers]
+        Of each part, those that a joint is about.
+    points : Floats
+        Of all nodes [m].
     """
     outer = [
         _near_faces(part, other, own, tolerance, points)

@@ -49,7 +49,12 @@ class GivenNodes(Part):
 def drawn_nodes(places: Floats, nodes: Integers, quads: Integers, lines: Integers, n_nodes: int) -> Drawn:
     """Cells and lines between nodes [n] at places [n, 3] [m], straight as they are, for pictures.
 
-    quads [q, 4], lines [l, 2] : rows of the nodes.
+    Parameters
+    ----------
+    quads : Integers [q, 4]
+        Rows of the nodes.
+    lines : Integers [l, 2]
+        Rows of the nodes.
     """
     rows = np.zeros((len(nodes), 3, 1, N_COMPONENTS))
     rows[:, :, 0, :3] = np.eye(3)
@@ -57,8 +62,18 @@ def drawn_nodes(places: Floats, nodes: Integers, quads: Integers, lines: Integer
 
 
 def node_point(name: str, place: PlaceOn, at: Floats, part: Meshed, expected: str, tolerance: float) -> Point:
-    """A point at a node of a part whose motion is known at its nodes alone. expected : what such a node is, for the
-    message. Raises InputError for a set, a patch, and a place that is farther from every node than the tolerance."""
+    """A point at a node of a part whose motion is known at its nodes alone.
+
+    Parameters
+    ----------
+    expected : str
+        What such a node is, for the message.
+
+    Raises
+    ------
+    InputError
+        For a set, a patch, and a place that is farther from every node than the tolerance.
+    """
     where = f"points.{name}"
     refuse_patch(name, place)
     if place.named is not None:
@@ -293,8 +308,17 @@ def signs_of_side(where: str, name: str, cells: FlatCells, chosen: Integers, sid
     Patch by patch, since where three cells meet at an edge no patch says how the next one is turned. Above and below
     are told as for a plate; where neither side is up, above is that of the cells' own normals.
 
-    where, name : for messages. Raises InputError for a closed patch, whose normals add to nothing, and for one sided
-    as a Moebius strip.
+    Parameters
+    ----------
+    where : str
+        For messages.
+    name : str
+        For messages.
+
+    Raises
+    ------
+    InputError
+        For a closed patch, whose normals add to nothing, and for one sided as a Moebius strip.
     """
     vectors, areas = cells.normals * cells.areas[:, None], cells.areas
     signs = np.zeros(len(areas))
@@ -336,12 +360,19 @@ def side_surface(
     n_nodes: int,
     lies: tuple[Floats | float, float],
 ) -> Surface:
-    """A side of some cells of a part. lies : half the thickness, of each cell or all, and how far the middle of it is
-    from the cells along their normals [m].
+    """A side of some cells of a part.
 
     Above and below are told as for a plate; where neither side is up, above is that of the cells' own normals.
 
-    Raises InputError for a closed surface, whose normals add to nothing.
+    Parameters
+    ----------
+    lies : tuple[Floats | float, float]
+        Half the thickness, of each cell or all, and how far the middle of it is from the cells along their normals [m].
+
+    Raises
+    ------
+    InputError
+        For a closed surface, whose normals add to nothing.
     """
     points = cell_points(cells, chosen, ORDER)
     signs = signs_of_side(f"surfaces.{item.name}.region", name, cells, chosen, item.side)
@@ -359,8 +390,13 @@ def side_surface(
 def surface_at(
     name: str, points: CellPlaces, normals: Floats, lies: tuple[Floats, Floats], motion: Motion, n_nodes: int
 ) -> Surface:
-    """The surface at points of cells with normals [p, 3] outwards. lies : directions [2, 3] along it, and its outline
-    [.., 3] [m]."""
+    """The surface at points of cells with normals [p, 3] outwards.
+
+    Parameters
+    ----------
+    lies : tuple[Floats, Floats]
+        Directions [2, 3] along it, and its outline [.., 3] [m].
+    """
     nodes, rows = motion(points.cells, points.xi, points.eta)
     along_normal = np.einsum("pj,pjkc->pkc", normals, rows[:, :3])[:, None]
     return Surface(

@@ -33,7 +33,12 @@ def arrangement_findings(
 ) -> tuple[Finding, ...]:
     """Pieces that nothing joins or holds up, parts that cannot move, and a mass beside which the rest is nothing.
 
-    joined : pairs of points that contacts and links of a study hold together. gravity : whether it has gravity.
+    Parameters
+    ----------
+    joined : Iterable[tuple[str, str]]
+        Pairs of points that contacts and links of a study hold together.
+    gravity : bool
+        Whether it has gravity.
     """
     found = pieces(model, joined)
     falling = _falling(found, gravity)
@@ -108,8 +113,13 @@ def _falling(found: tuple[Piece, ...], gravity: bool) -> list[Finding]:
 
 
 def _turned(model: Model, found: tuple[Piece, ...], fallen: Collection[str]) -> list[Finding]:
-    """Edges whose springs or walls only resist rotation, of parts that nothing holds along their normal. fallen : parts
-    of which it is said that they fall."""
+    """Edges whose springs or walls only resist rotation, of parts that nothing holds along their normal.
+
+    Parameters
+    ----------
+    fallen : Collection[str]
+        Parts of which it is said that they fall.
+    """
     raised = []
     for item in model.structure.supports:
         turned = item.walls or (ABOUT in item.stiffness and ACROSS not in item.stiffness)

@@ -109,9 +109,17 @@ def _vertex_offsets(frame: Lines, points: Floats) -> Floats:
 def forces(kind: str, load: Floats, length: ArrayLike, place: ArrayLike) -> Floats:
     """Section forces [m, 6] N Vy Vz [N], T My Mz [N m] that an even load adds to those of the nodes, without shear.
 
-    kind : "euler", "timoshenko" or "timoshenko18"; load [m, 3] : along local x, y, z [N/m]; length [m] of the bars [m];
-    place [m] : from 0 at end i to 1 at end j.
+    Parameters
+    ----------
+    kind : str
+        "euler", "timoshenko" or "timoshenko18".
+    load : Floats [m, 3]
+        Along local x, y, z [N/m]; length [m] of the bars [m].
+    place : ArrayLike [m]
+        From 0 at end i to 1 at end j.
 
+    Examples
+    --------
     Half-way along a bar of 2 m under 12 N/m, fixed at both ends: p L^2 / 24, and p L^2 / 12 at its ends:
 
     >>> forces("euler", np.array([[0.0, 12.0, 0.0]] * 2), 2.0, np.array([0.0, 0.5]))[:, 5]
@@ -272,9 +280,17 @@ class FrameMesh(Meshed):
     def rows(self, bars: Integers, shares: Floats) -> tuple[Integers, Floats]:
         """Motion of places along bars from the components of their nodes.
 
-        bars [p] : which; shares [p] : from 0 at the start to 1 at the end of the flexible part.
+        Parameters
+        ----------
+        bars : Integers [p]
+            Which.
+        shares : Floats [p]
+            From 0 at the start to 1 at the end of the flexible part.
 
-        Returns nodes [p, k] and rows [p, 6, k, 7], k nodes a bar: three displacements and three rotations, global axes.
+        Returns
+        -------
+        tuple[Integers, Floats]
+            Nodes [p, k] and rows [p, 6, k, 7], k nodes a bar: three displacements and three rotations, global axes.
         """
         part, (E, G, section) = self.part, self.part.along
         local = frame.interpolate(

@@ -183,7 +183,13 @@ class Hangers(Part):
         raise InputError(f"parts.{self.name}.spacing", got=got, expected=f"{words} for {what}")
 
     def _regular(self, length: float, spacing: float, of_each: int = 1) -> Floats:
-        """Places on a length in a spacing [m], centred; at least one. of_each : how many go with each of them."""
+        """Places on a length in a spacing [m], centred; at least one.
+
+        Parameters
+        ----------
+        of_each : int
+            How many go with each of them.
+        """
         count = max(1, int(min(length / spacing, MOST_PLACES + 1) + 0.5))
         if count * of_each > MOST_PLACES:
             got = f"{spacing:g} m on {length:g} m"

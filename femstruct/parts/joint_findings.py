@@ -69,8 +69,13 @@ class Piece:
 def pieces(model: Model, joined: Iterable[tuple[str, str]] = ()) -> tuple[Piece, ...]:
     """The pieces of a model, the heaviest first.
 
-    joined : pairs of points by name that something else holds together, as contacts and links of a study do.
+    Parameters
+    ----------
+    joined : Iterable[tuple[str, str]]
+        Pairs of points by name that something else holds together, as contacts and links of a study do.
 
+    Examples
+    --------
     >>> from femstruct.model.materials import Material
     >>> from femstruct.model.mesher import mesh_structure
     >>> from femstruct.model.structure import Structure, Support
@@ -436,7 +441,13 @@ def _lying(one: Meshed, other: Meshed, on: Integers, free: Integers, model: Mode
 
 
 def _covered(functions: Floats, cells: Integers, other: Meshed, points: Floats, within: float) -> Floats:
-    """Share of places of cells or lines [m, k] that lie on another part [m]. functions [q, k] : of the places."""
+    """Share of places of cells or lines [m, k] that lie on another part [m].
+
+    Parameters
+    ----------
+    functions : Floats [q, k]
+        Of the places.
+    """
     at = np.einsum("qk,mkd->mqd", functions, points[cells])
     found = other.off_cells(at.reshape(-1, 3)).reshape(at.shape[:2]) <= within
     return np.asarray(found.mean(axis=1), dtype=np.float64)

@@ -61,7 +61,10 @@ def total_loss_findings(model: Model, two_way: Mapping[str, str] | None = None) 
     """Parts with a total loss factor, of a laboratory or measured, at whose edges the model has losses of its own, or
     whose radiation is modelled; and those that are too heavy for that of a laboratory.
 
-    two_way : names of rooms whose air reacts on the structure, by the surface that radiates into them.
+    Parameters
+    ----------
+    two_way : Mapping[str, str] | None
+        Names of rooms whose air reacts on the structure, by the surface that radiates into them.
     """
     losses: dict[str, Loss] = {one.name: one.part.section.loss_factor for one in plates_of(model)}
     losses |= {one.name: one.loss_factor for one in shells_of(model)}

@@ -70,13 +70,24 @@ def patch_points(
 ) -> tuple[Floats, Floats]:
     """Places [p, 2] and shares [p] whose mean motion is that of a patch, in a plate's coordinates [m].
 
-    name, size, grid : of the plate, its grid lines along x and y. center [2]. patch : radius of a disc, or the sides of
-    a rectangle [m].
-
     By virtual work a force on this mean is spread evenly over the patch: it keeps the force and its moment about any
     point. Rotations are means as well.
 
-    Raises InputError for a patch that reaches beyond its plate.
+    Parameters
+    ----------
+    name : str
+        Of the plate, its grid lines along x and y. center [2].
+    size : Pair
+        Of the plate, its grid lines along x and y. center [2].
+    grid : tuple[Floats, Floats]
+        Of the plate, its grid lines along x and y. center [2].
+    patch : float | Pair
+        Radius of a disc, or the sides of a rectangle [m].
+
+    Raises
+    ------
+    InputError
+        For a patch that reaches beyond its plate.
     """
     reach = np.array([patch, patch] if isinstance(patch, float) else patch) * (1.0 if isinstance(patch, float) else 0.5)
     beyond = float(max((reach - center).max(), (center + reach - size).max()))
@@ -99,13 +110,26 @@ def patch_turning(
     motion: Callable[[Floats], tuple[Integers, Floats]],
     n_nodes: int,
 ) -> csr_array:
-    """Rows [m, n_nodes * 7] of the rotation about the normal of crosses that reach so far [m] around places of a plate.
+    """Rows [m, n_nodes * 7] of the rotation about the normal of crosses that reach so far [m] around places of a
+    plate.
 
-    centers [m, 2] : in its coordinates [m]. size, axes : of the plate. motion : nodes [p, k] and rows [p, 6, k, 7] of
-    places of it. The ends of a cross, as far as they lie on the plate, and its middle move as the plate does; the
-    rotation is that of the rigid motion that fits them best. By virtual work a torque on it is forces at the ends.
+    Parameters
+    ----------
+    centers : Floats [m, 2]
+        In its coordinates [m].
+    size : Pair
+        Of the plate.
+    axes : Floats
+        Of the plate.
+    motion : Callable[[Floats], tuple[Integers, Floats]]
+        Nodes [p, k] and rows [p, 6, k, 7] of places of it. The ends of a cross, as far as they lie on the plate, and
+        its middle move as the plate does; the rotation is that of the rigid motion that fits them best. By virtual work
+        a torque on it is forces at the ends.
 
-    Raises InputError, of `where`, for a cross of which no end lies on the plate.
+    Raises
+    ------
+    InputError
+        Of `where`, for a cross of which no end lies on the plate.
     """
     arms = reach * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     places = (centers[:, None] + arms).reshape(-1, 2)
@@ -178,8 +202,21 @@ def edge_nodes(
 ) -> list[tuple[Integers, Axis]]:
     """Nodes of each edge or line that a support names, in their order, and which of the plate's axes it is along.
 
-    plate : name of the plate. size : its sides [m]. lines : its grid along x and y [m]. grid [nx + 1, ny + 1] : numbers
-    of its nodes. Raises InputError for a line that is not on the plate.
+    Parameters
+    ----------
+    plate : str
+        Name of the plate.
+    size : Pair
+        Its sides [m].
+    lines : tuple[Floats, Floats]
+        Its grid along x and y [m].
+    grid : Integers [nx + 1, ny + 1]
+        Numbers of its nodes.
+
+    Raises
+    ------
+    InputError
+        For a line that is not on the plate.
     """
     if item.line is not None:
         region = Region("line", line=item.line)
@@ -226,7 +263,10 @@ def edge_components(fix: object, axes: Floats, along: Axis, rigid_in_plane: bool
     All but `clamped` hold the deflection and the slope along the edge: w_x = -RY where it is parallel to x, w_y = RX
     where to y. `simple` carries, in addition, a plate that stands; one that is rigid in its plane it holds.
 
-    axes [3, 3] : rows are the plate's x, y and normal.
+    Parameters
+    ----------
+    axes : Floats [3, 3]
+        Rows are the plate's x, y and normal.
     """
     clamped = np.zeros((7, N_COMPONENTS))
     clamped[:3, :3] = clamped[3:6, 3:6] = axes
@@ -266,7 +306,12 @@ def plate_dofs(kind: plate.PlateElement, axes: Floats, local: Floats, size: Pair
     """w, the two rotations about its own axes and, for bfs16, the twist of every node; in its plane it is rigid:
     u, v and the rotation about the normal of its centroid belong to the whole plate.
 
-    axes [3, 3] : rows are its x, y and normal. local [n, 2] : its nodes in its own coordinates [m].
+    Parameters
+    ----------
+    axes : Floats [3, 3]
+        Rows are its x, y and normal.
+    local : Floats [n, 2]
+        Its nodes in its own coordinates [m].
     """
     labels = OUT_OF_PLANE[: plate.dofs_per_node(kind)]
     count, per_node = len(local), len(labels)
@@ -302,7 +347,13 @@ def plate_dofs(kind: plate.PlateElement, axes: Floats, local: Floats, size: Pair
 
 
 def stretching_dofs(kind: plate.PlateElement, axes: Floats, count: int) -> OwnDofs:
-    """Those of bending and, after them, three of every node in the plane; count : of nodes, axes as `plate_dofs`."""
+    """Those of bending and, after them, three of every node in the plane.
+
+    Parameters
+    ----------
+    count : int
+        Of nodes, axes as `plate_dofs`.
+    """
     labels = (*OUT_OF_PLANE[: plate.dofs_per_node(kind)], *MEMBRANE)
     bending, per_node = len(labels) - len(MEMBRANE), len(labels)
     motion = np.zeros((N_COMPONENTS, per_node))
@@ -327,12 +378,25 @@ def plate_rows(
 ) -> tuple[Integers, Floats]:
     """Motion of places of a plate from the components of the corner nodes of their cells.
 
-    axes [3, 3] : rows are its x, y and normal. lines : of its grid, along x and y [m]; grid [nx + 1, ny + 1] : numbers
-    of its nodes. local [p, 2] : in the plate's coordinates [m], inside it. stretches : whether it does in its plane.
+    Parameters
+    ----------
+    axes : Floats [3, 3]
+        Rows are its x, y and normal.
+    lines : tuple[Floats, Floats]
+        Of its grid, along x and y [m].
+    grid : Integers [nx + 1, ny + 1]
+        Numbers of its nodes.
+    local : Floats [p, 2]
+        In the plate's coordinates [m], inside it.
+    stretches : bool
+        Whether it does in its plane.
 
-    Returns nodes [p, 4] and rows [p, 6, 4, 7]: three displacements and three rotations, global axes. The deflection
-    follows the element's shape functions, motion in the plane those of the membrane; bilinear, which is exact, where
-    the plate is rigid there.
+    Returns
+    -------
+    tuple[Integers, Floats]
+        Nodes [p, 4] and rows [p, 6, 4, 7]: three displacements and three rotations, global axes. The deflection follows
+        the element's shape functions, motion in the plane those of the membrane; bilinear, which is exact, where the
+        plate is rigid there.
     """
     column, xi, a = interval_of(lines[0], local[:, 0])
     row, eta, b = interval_of(lines[1], local[:, 1])
@@ -383,12 +447,21 @@ def face_rows(
     of_resultants: Floats,
     n_nodes: int,
 ) -> csr_array:
-    """Rows [q * 4 * s * 3, n_nodes * 7] of the stresses xx yy xy [Pa] at the corners of cells, at each on s faces, from
-    the components of all nodes of a structure.
+    """Rows [q * 4 * s * 3, n_nodes * 7] of the stresses xx yy xy [Pa] at the corners of cells, at each on s faces,
+    from the components of all nodes of a structure.
 
-    axes [3, 3] : rows are the plate's x, y and normal. sizes [q] : sides of the cells along x and y [m]. quads [q, 4] :
-    their corners. rigidities : D [3, 3] of bending [N m], and A [3, 3] in the plane [N/m], None where the plate is
-    rigid there. of_resultants [s, 3, 6] : stresses of membrane forces and moments per length [1/m, 1/m^2].
+    Parameters
+    ----------
+    axes : Floats [3, 3]
+        Rows are the plate's x, y and normal.
+    sizes : tuple[Floats, Floats] [q]
+        Sides of the cells along x and y [m].
+    quads : Integers [q, 4]
+        Their corners.
+    rigidities : tuple[Floats, Floats | None]
+        D [3, 3] of bending [N m], and A [3, 3] in the plane [N/m], None where the plate is rigid there.
+    of_resultants : Floats [s, 3, 6]
+        Stresses of membrane forces and moments per length [1/m, 1/m^2].
     """
     D, A = rigidities
     xi, eta = np.tile(np.array(plate.CORNERS, dtype=np.float64), (len(quads), 1)).T

@@ -164,8 +164,15 @@ def refuse_thicker(name: str, kind: str, material: AnyMaterial | LayUp, thicknes
 def thickness_findings(
     name: str, section: PlateSection, materials: Sequence[AnyMaterial], side: float, hangs: bool
 ) -> tuple[Finding, ...]:
-    """A foil in place of a plate, or a plate that would sag far; side : the shorter one [m]; hangs : whether it is flat
-    and not supported over its area."""
+    """A foil in place of a plate, or a plate that would sag far.
+
+    Parameters
+    ----------
+    side : float
+        The shorter one [m].
+    hangs : bool
+        Whether it is flat and not supported over its area.
+    """
     h = section.thickness
     if h < THINNEST * side:
         meant = _meant(h, lambda other: side / SLENDEREST <= other <= side / STOUTEST)

@@ -130,7 +130,13 @@ def _written(layered: StatedProperty) -> str:
 
 
 def spread_mass(shell: Shell, cells: FlatCells, thickness: Floats) -> Floats:
-    """Mass per area [q + t] [kg/m^2] on each cell of a shell. thickness [q + t] : of the cells [m]."""
+    """Mass per area [q + t] [kg/m^2] on each cell of a shell.
+
+    Parameters
+    ----------
+    thickness : Floats [q + t]
+        Of the cells [m].
+    """
     found = np.full(len(cells.cells), shell.nonstructural or 0.0)
     if Makes.SPREAD not in shell.takes() or not shell.mesh.stated.spread:
         return found
@@ -178,11 +184,22 @@ def _area(mesh: ImportedMesh, numbers: Integers) -> float:
 def stresses_on_faces(
     shell: Shell, cells: FlatCells, thickness: Floats, sections: Sections, numbers: tuple[int, int]
 ) -> StressPlaces:
-    """At both faces of every node, and of every layer, the front being that of the normals; the shear stress across the
-    thickness is left out. Along the directions of the material, or of a cell at each place.
+    """At both faces of every node, and of every layer, the front being that of the normals; the shear stress across
+    the thickness is left out. Along the directions of the material, or of a cell at each place.
 
-    thickness [q + t] : of the cells [m]; sections : their rigidities. numbers : of the first node, and of all nodes.
-    Raises InputError for smeared ribs, whose stresses are unknown.
+    Parameters
+    ----------
+    thickness : Floats [q + t]
+        Of the cells [m].
+    sections : Sections
+        Their rigidities.
+    numbers : tuple[int, int]
+        Of the first node, and of all nodes.
+
+    Raises
+    ------
+    InputError
+        For smeared ribs, whose stresses are unknown.
     """
     different, which = np.unique(thickness, return_inverse=True)
     each = [stresses_of_resultants(shell.material, float(t)) for t in different]

@@ -343,7 +343,13 @@ def findings_of(
     placed: Sequence[PlacedCavity],
     airs: Sequence[CavityAir],
 ) -> tuple[Finding, ...]:
-    """All of them. basis : in vacuo."""
+    """All of them.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo.
+    """
     return (
         _what_it_did(basis, coupled, placed, airs),
         *_few(basis, placed, airs),
@@ -464,16 +470,27 @@ _NONE: Final = 1e-9  # share of a motion below which it displaces no volume: rou
 def with_cavities(basis: ModalBasis, placed: Sequence[PlacedCavity], *, up_to_hz: float | None = None) -> ModalBasis:
     """The basis of a structure and the air and wool in cavities between its surfaces: mass-normalised, full damping.
 
-    basis : in vacuo, with the damping of the structure alone. placed : all cavities, bays one by one.
-    up_to_hz : modes of the air up to it are coordinates of their own; left out: as far as the modes of the structure
-    need them, and at most the 400 lowest of each cavity.
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo, with the damping of the structure alone.
+    placed : Sequence[PlacedCavity]
+        All cavities, bays one by one.
+    up_to_hz : float | None
+        Modes of the air up to it are coordinates of their own; left out: as far as the modes of the structure need
+        them, and at most the 400 lowest of each cavity.
 
-    Returns a ModalBasis whose modes are those of structure and air without losses, isothermal in wool. Behind its
-    residual vectors it has coordinates that no force meets and only drag moves, of kind "residual" too: frames of limp
-    wool and layers of air that slide over wool, at 0 Hz, and what heat adds to the pressure in wool, far above the
-    band.
+    Returns
+    -------
+    ModalBasis
+        A ModalBasis whose modes are those of structure and air without losses, isothermal in wool. Behind its residual
+        vectors it has coordinates that no force meets and only drag moves, of kind "residual" too: frames of limp wool
+        and layers of air that slide over wool, at 0 Hz, and what heat adds to the pressure in wool, far above the band.
 
-    Raises InputError when an infinite basis (closed form) is given no `up_to_hz`.
+    Raises
+    ------
+    InputError
+        When an infinite basis (closed form) is given no `up_to_hz`.
 
     Notes
     -----
@@ -485,6 +502,8 @@ def with_cavities(basis: ModalBasis, placed: Sequence[PlacedCavity], *, up_to_hz
 
     Two free boards on a cushion of air: one of their twelve rigid motions, one against the other, has a frequency.
 
+    Examples
+    --------
     >>> from femstruct import assemble, modal_basis, placed_cavities
     >>> from femstruct import AirBetween, Material, Plate, Structure, SurfaceOn, mesh_structure
     >>> board = Material("board", E=2.5e9, nu=0.2, rho=800.0)

@@ -34,10 +34,16 @@ _LIGHT: Final = 1e-6
 def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bools) -> float:
     """Share of the structure's motion that damping between modes makes: rms over the resonances, under broad loads.
 
-    damping [k, k] [rad/s]; omega [k]; structure [m, k] : motion of the structure in every mode; true [k] : has a
-    resonance that means something.
+    damping [k, k] [rad/s]; omega [k].
 
     To first order: off the diagonal it drives a mode with what the others do.
+
+    Parameters
+    ----------
+    structure : Floats [m, k]
+        Motion of the structure in every mode.
+    true : Bools [k]
+        Has a resonance that means something.
     """
     between = damping - np.diag(np.diag(damping))
     if not between.any():
@@ -54,7 +60,13 @@ def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bool
 
 def completing(basis: ModalBasis, own: Floats, n_rigid: int) -> Bools:
     """Which of new coordinates [n] complete a response and are no modes: as many as the basis has behind its modes,
-    those that lie most along these. own [k, n] : the coordinates of the basis in each."""
+    those that lie most along these.
+
+    Parameters
+    ----------
+    own : Floats [k, n]
+        The coordinates of the basis in each.
+    """
     found = np.zeros(own.shape[1], dtype=bool)
     share = (own[basis.modes.stop :] ** 2).sum(axis=0)
     found[np.argsort(-share, kind="stable")[: len(basis.omega) - basis.modes.stop]] = True
@@ -74,8 +86,18 @@ def in_new_modes(
 ) -> ModalBasis:
     """The basis in the modes of structure and air, all that is the structure's in terms of them.
 
-    omega [n] [rad/s]; own [k, n] : the coordinates of the basis in each. losses [n, n] : viscous and hysteretic.
-    coupled : whether damping between modes is kept. of_air : fields that the air decides.
+    Parameters
+    ----------
+    omega : Floats [n]
+        Their frequencies [rad/s].
+    own : Floats [k, n]
+        The coordinates of the basis in each.
+    losses : tuple[Floats, Floats] [n, n]
+        Viscous and hysteretic.
+    coupled : bool
+        Whether damping between modes is kept.
+    **of_air : Any
+        Fields that the air decides.
     """
     dashpots: Floats = own.T @ basis.dashpots @ own
     damping = [*losses, dashpots] if coupled else [np.diag(np.diag(one)) for one in (*losses, dashpots)]
@@ -98,8 +120,16 @@ def in_new_modes(
 def coupling_residual(before: Floats, mass: Floats, compression: Floats, after: Floats, x: Floats) -> Floats:
     """|K x - omega^2 M x| over the terms it is summed from, for every coordinate [n].
 
-    before [k], after [n] [rad/s] : of the structure, of both. mass [m, m], compression [r, m] : of the air over
-    all coordinates, those of the structure first. x [m, n] : the new coordinates.
+    before [k], after [n] [rad/s] : of the structure, of both.
+
+    Parameters
+    ----------
+    mass : Floats [m, m]
+        Of the air over all coordinates, those of the structure first.
+    compression : Floats [r, m]
+        Of the air over all coordinates, those of the structure first.
+    x : Floats [m, n]
+        The new coordinates.
     """
     k, whole = len(before), len(x)
     structure = np.concatenate([before, np.zeros(whole - k)])[:, None] ** 2 * x
@@ -154,7 +184,10 @@ def what_it_did(
 ) -> Finding:
     """What the coupling did: the mode that the air stiffens most, before and after.
 
-    between : what damping between modes makes of the motion, and whether it is kept.
+    Parameters
+    ----------
+    between : tuple[float, bool]
+        What damping between modes makes of the motion, and whether it is kept.
     """
     stray, kept = between
     added = air.compression[0, : len(basis.omega)][basis.modes] ** 2
@@ -197,19 +230,31 @@ def with_cavity(
 ) -> ModalBasis:
     """The basis of a structure and the air of the closed room beside its surfaces: real, mass-normalised modes.
 
-    basis : in vacuo, with the damping that belongs to the structure alone: a damping ratio measured with the air in
-        place would be another.
-    placed : the room; under its name the leak's volume is kept in `volumes`.
-    leak : an opening of the room to still air outside.
-    up_to_hz : cavity modes up to it are coordinates of their own, the others added mass; left out: as far as the
-        structure's modes are complete, and at most the 300 lowest.
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo, with the damping that belongs to the structure alone: a damping ratio measured with the air in place
+        would be another.
+    placed : Placed
+        The room; under its name the leak's volume is kept in `volumes`.
+    leak : Leak | None
+        An opening of the room to still air outside.
+    up_to_hz : float | None
+        Cavity modes up to it are coordinates of their own, the others added mass; left out: as far as the structure's
+        modes are complete, and at most the 300 lowest.
 
-    Returns a ModalBasis of k + n modes, k of the structure with its residual vectors and n of the room, with one more
-    for a leak, and one for every shape in which walls yield. Its shapes are the motion of the structure in each; modes
-    of the air move it little. It may be coupled to another room in turn.
+    Returns
+    -------
+    ModalBasis
+        A ModalBasis of k + n modes, k of the structure with its residual vectors and n of the room, with one more for a
+        leak, and one for every shape in which walls yield. Its shapes are the motion of the structure in each; modes of
+        the air move it little. It may be coupled to another room in turn.
 
-    Raises InputError when an infinite basis (closed form) is given no `up_to_hz`, AcousticsError for a kind of room
-    without two-way coupling.
+    Raises
+    ------
+    InputError
+        When an infinite basis (closed form) is given no `up_to_hz`, AcousticsError for a kind of room without two-way
+        coupling.
 
     Notes
     -----
@@ -226,6 +271,8 @@ def with_cavity(
     Absorbing walls of a room of any shape damp each of its modes separately, with the rate c int beta P_n^2 / V
     of its energy; the finding ``two-way-absorption`` reports where that is not enough. Compliant walls are exact.
 
+    Examples
+    --------
     A rigid square of 1 kg over half a cubic metre of air, its only spring, 1.21 343^2 0.25^2 / 0.5 N/m, a third of
     which moves with it:
 

@@ -105,8 +105,13 @@ def surface_shares(
 ) -> SurfaceShares | None:
     """What each surface of a closed room gives its air while all move as recorded; None where no band is complete.
 
-    motion : of all surfaces, and of a leak, of `separate_leak`. end_hz : where the motion ends; bands above it are left
-    out. Energies are nan in a room without losses, which takes nothing up.
+    Parameters
+    ----------
+    motion : Motion
+        Of all surfaces, and of a leak, of `separate_leak`.
+    end_hz : float
+        Where the motion ends; bands above it are left out. Energies are nan in a room without losses, which takes
+        nothing up.
 
     Notes
     -----
@@ -156,7 +161,10 @@ def _still(motion: Motion) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
 def separate_leak(motion: Motion, flow: Floats) -> Motion:
     """Surfaces without the flow through a leak of their room, which is spread over all of them, and that flow.
 
-    flow : velocity of it in every coordinate [k], per unit of its rate.
+    Parameters
+    ----------
+    flow : Floats
+        Velocity of it in every coordinate [k], per unit of its rate.
     """
     own = [replace(one, shapes=one.shapes - flow) for one in motion]
     points, weights = (np.concatenate([getattr(one, word) for one in motion]) for word in ("points", "weights"))
@@ -229,10 +237,17 @@ def push_transfer(
 ) -> PushTransfer:
     """The transfer of forces that act on the modes with shares [r, k].
 
-    basis : with damping that couples no modes. kept : of the room, for the modes `moving` of the basis, in a record of
-    nt samples dt apart.
+    Parameters
+    ----------
+    basis : ModalBasis
+        With damping that couples no modes.
+    kept : KeptTransfer
+        Of the room, for the modes `moving` of the basis, in a record of nt samples dt apart.
 
-    Raises InputError for modes that damping couples.
+    Raises
+    ------
+    InputError
+        For modes that damping couples.
 
     Notes
     -----

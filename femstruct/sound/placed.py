@@ -79,13 +79,25 @@ def placed(
 ) -> Placed:
     """A room under, over or beside surfaces of a structure.
 
-    surface : the one that places the room, on its ceiling or what stands for it, or on another wall that is named.
-    offset : of its centre from the middle of that, along the two axes of the room there [m]. walls : further surfaces,
-    by the wall of the room that they move. on : the wall of the first surface, where it is not the ceiling.
+    Parameters
+    ----------
+    surface : Surface
+        The one that places the room, on its ceiling or what stands for it, or on another wall that is named.
+    offset : tuple[float, float]
+        Of its centre from the middle of that, along the two axes of the room there [m].
+    walls : Mapping[str, Surface | Sequence[Surface]] | None
+        Further surfaces, by the wall of the room that they move.
+    on : str
+        The wall of the first surface, where it is not the ceiling.
 
-    Raises InputError: a surface that faces elsewhere, reaches beyond its wall, does not lie on it or covers another
-    one, or lies on a wall that this kind of room cannot move.
+    Raises
+    ------
+    InputError
+        A surface that faces elsewhere, reaches beyond its wall, does not lie on it or covers another one, or lies on a
+        wall that this kind of room cannot move.
 
+    Examples
+    --------
     A room of 4 x 3 m under a slab of 2 x 2 m, whose middle is 1 m from that of the ceiling:
 
     >>> from scipy.sparse import csr_array

@@ -76,8 +76,14 @@ def power_per_force(
 ) -> tuple[PowerResponse, tuple[Advice, ...]]:
     """Sound power of a baffled surface per unit of a harmonic force on the structure, and advice.
 
-    room : a half space beside its surfaces.
-    frequency_hz [nf] : above 0 [Hz]. pattern_hz : of the directivity, the loudest frequencies if left out.
+    Parameters
+    ----------
+    room : Placed
+        A half space beside its surfaces.
+    frequency_hz : Floats [nf]
+        Above 0 [Hz].
+    pattern_hz : Sequence[float]
+        Of the directivity, the loudest frequencies if left out.
 
     Notes
     -----
@@ -113,7 +119,12 @@ def radiated_sound(
 ) -> tuple[Radiated, tuple[Advice | Finding, ...]]:
     """What a surface radiates into a half space while a structure moves as simulated, and reasons to trust it less.
 
-    room, pattern_hz : as of `power_per_force`.
+    Parameters
+    ----------
+    room : Placed
+        As of `power_per_force`.
+    pattern_hz : Sequence[float]
+        As of `power_per_force`.
     """
     moving, air = combine_surfaces(surface_velocity(response, room)), room.room.air
     whole = radiated_energy(moving, air)

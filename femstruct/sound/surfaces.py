@@ -35,11 +35,17 @@ STIFF_AIR = 0.1  # air stiffness over structural stiffness above which frequenci
 def surface_velocity(response: Response, room: Placed) -> Motion:
     """Velocities of the surfaces of a room, each factored into shapes and modal rates.
 
-    response : its basis must be the one of the meshed structure the surfaces belong to.
+    Parameters
+    ----------
+    response : Response
+        Its basis must be the one of the meshed structure the surfaces belong to.
 
-    Returns a SurfaceVelocity for every surface, with shapes [p, k] in 1/sqrt(kg), positive into the room, and the same
-    rates [k, nt], of the modes that move any of them: those below 1e-9 of the one that moves it most, by symmetry but
-    for rounding, are left out.
+    Returns
+    -------
+    Motion
+        A SurfaceVelocity for every surface, with shapes [p, k] in 1/sqrt(kg), positive into the room, and the same
+        rates [k, nt], of the modes that move any of them: those below 1e-9 of the one that moves it most, by symmetry
+        but for rounding, are left out.
 
     Examples
     --------
@@ -120,14 +126,22 @@ def moving_modes(responses: Sequence[Response], room: Placed) -> Integers:
 def pressure_per_force(
     basis: ModalBasis, drive: Probe, room: Placed, receivers: Sequence[Receiver], frequency_hz: Floats
 ) -> tuple[Complexes, tuple[Advice, ...]]:
-    """Pressure at receivers of a room per unit of harmonic force on the structure [n_receivers, nf] [Pa/N], and advice.
-
-    basis : in vacuo for one-way coupling; coupled to the room by `with_cavity` for two-way coupling.
-    frequency_hz [nf] : above 0 [Hz].
+    """Pressure at receivers of a room per unit of harmonic force on the structure [n_receivers, nf] [Pa/N], and
+    advice.
 
     It is 0 where nothing joins the surfaces to what is driven.
 
-    Raises AcousticsError for a receiver outside the room, or a resonance of a room without losses.
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo for one-way coupling; coupled to the room by `with_cavity` for two-way coupling.
+    frequency_hz : Floats [nf]
+        Above 0 [Hz].
+
+    Raises
+    ------
+    AcousticsError
+        For a receiver outside the room, or a resonance of a room without losses.
     """
     velocity = 2j * np.pi * frequency_hz * modal_amplitudes(basis, drive, frequency_hz)
     if _still(basis, room, np.abs(velocity).max(axis=1, initial=0.0)):
@@ -181,13 +195,25 @@ def velocity_per_source(
     """Velocity of a place of the structure per volume velocity of a harmonic point source in a room [nf] [1/m^2], and
     advice: what a loudspeaker of known volume velocity and an accelerometer on the floor measure.
 
-    basis : in vacuo for one-way coupling; coupled to the room by `with_cavity` for two-way coupling, where the source
-    moves the surfaces and these move the air, which reacts on them.
-    room, source : where it stands, in the room's coordinates. response : what moves, of a direction or a rotation
-    [rad/m^3]. frequency_hz [nf] : above 0 [Hz].
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo for one-way coupling; coupled to the room by `with_cavity` for two-way coupling, where the source moves
+        the surfaces and these move the air, which reacts on them.
+    room : Placed
+        Where it stands, in the room's coordinates.
+    source : Receiver
+        Where it stands, in the room's coordinates.
+    response : Probe
+        What moves, of a direction or a rotation [rad/m^3].
+    frequency_hz : Floats [nf]
+        Above 0 [Hz].
 
-    Raises InputError for a response that no mode moves, AcousticsError for a source outside the room, or a resonance of
-    a room without losses.
+    Raises
+    ------
+    InputError
+        For a response that no mode moves, AcousticsError for a source outside the room, or a resonance of a room
+        without losses.
 
     Notes
     -----
@@ -196,6 +222,8 @@ def velocity_per_source(
     that nothing more acts. By reciprocity the result is minus the pressure at the source's place per force on the
     structure (`pressure_per_force`), which is computed without any of this.
 
+    Examples
+    --------
     A source at 1 Hz in half a cubic metre of sealed air, on which a rigid square of 1 kg floats, with a natural
     frequency of 19.4 Hz. It is lifted by the volume over its area, 4 / m^2, and 1/(1 - (1/19.4)^2) times that:
 

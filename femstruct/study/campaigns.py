@@ -333,11 +333,24 @@ class Spread:
 def spread(rows: Swept, name: str, case: str = "", above: str = "") -> Spread | None:
     """How a number of a case scatters, or what it is above that of another case, sample by sample.
 
-    above : the other case; a difference of two cases has a scatter of its own, often much smaller than that of either.
+    Parameters
+    ----------
+    above : str
+        The other case; a difference of two cases has a scatter of its own, often much smaller than that of either.
 
-    Returns None for fewer than 8 samples that are to be trusted, and for a difference of times to rest of which some
-    are not seen. Raises InputError for unknown names.
+    Returns
+    -------
+    Spread | None
+        None for fewer than 8 samples that are to be trusted, and for a difference of times to rest of which some are
+        not seen.
 
+    Raises
+    ------
+    InputError
+        For unknown names.
+
+    Examples
+    --------
     The velocity of a mass that a ball of uncertain mass hits:
 
     >>> import tempfile

@@ -11,9 +11,17 @@ from femstruct.study.asked import RoomPlan
 
 
 def placed_room(plan: RoomPlan, surfaces: Mapping[str, Surface]) -> Placed:
-    """A room where its surfaces place it. surfaces : of the structure, by name.
+    """A room where its surfaces place it.
 
-    Raises InputError when the structure has no such surface, and as `placed` does.
+    Parameters
+    ----------
+    surfaces : Mapping[str, Surface]
+        Of the structure, by name.
+
+    Raises
+    ------
+    InputError
+        When the structure has no such surface, and as `placed` does.
     """
     others: dict[str, list[Surface]] = {}
     for number, (wall, name) in enumerate(plan.moved):

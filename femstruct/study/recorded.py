@@ -20,8 +20,13 @@ def damped_forces(channels: Iterable[str], outputs: Iterable[str]) -> list[str]:
     """Channels that are forces of springs, foundations, supports, joints or the ground: beside k u and c v they have
     their share of what damps the modes, a damping ratio in proportion to the elastic force.
 
-    outputs : of a basis, "NAME.z".
+    Parameters
+    ----------
+    outputs : Iterable[str]
+        Of a basis, "NAME.z".
 
+    Examples
+    --------
     >>> damped_forces(["edges force", "edges force x", "ball on off force", "p.z velocity"], ["edges.x", "edges.z"])
     ['edges force', 'edges force x']
     """

@@ -50,7 +50,13 @@ def not_known(rows: Swept, names: Sequence[str]) -> list[str]:
 
 
 def not_known_pieces(rows: Swept, names: Sequence[str], many: str) -> Iterator[str]:
-    """A sentence for each reason. many : what rows are."""
+    """A sentence for each reason.
+
+    Parameters
+    ----------
+    many : str
+        What rows are.
+    """
     codes = {code for case in rows.findings for own in case for code in own}
     by_reason: dict[str, list[str]] = {}
     for name in not_known(rows, names):
@@ -211,7 +217,13 @@ def _share(ends: tuple[float, float, float]) -> str:
 
 
 def left_out_pieces(rows: Swept, names: Sequence[str] = (), one: str = "sample") -> Iterator[Piece]:
-    """What does not change, how many samples have no number or are not to be trusted, and why. one : what a row is."""
+    """What does not change, how many samples have no number or are not to be trusted, and why.
+
+    Parameters
+    ----------
+    one : str
+        What a row is.
+    """
     n, many = len(rows.texts), f"{one}s"
     yield from not_known_pieces(rows, names, many)
     unknown = not_known(rows, names)
@@ -323,8 +335,15 @@ TOTAL_MASS: Final = "total mass"  # of the structure alone
 
 
 def no_design(search: Search, rows: Swept, limited: Mapping[str, float], named: str = "") -> str:
-    """By how much the design that comes nearest exceeds its limits. limited : its values by name. named : ", design 7"
-    where designs have numbers."""
+    """By how much the design that comes nearest exceeds its limits.
+
+    Parameters
+    ----------
+    limited : Mapping[str, float]
+        Its values by name.
+    named : str
+        ", design 7" where designs have numbers.
+    """
     words, unseen = list[str](), list[str]()
     for name, limit in search.limits.items():
         value = limited[name]

@@ -122,7 +122,11 @@ def swept_figure(rows: Swept, names: Sequence[str], case: str = "") -> Figure | 
 
     Samples for indices: the shares of all paths in the variance. One path: a curve for every case. Two paths of a grid:
     a map of one case. Otherwise: points of one case over each path. Rows that findings forbid to trust are crosses.
-    case : of what shows only one; if none, the baseline or the case in which more numbers change.
+
+    Parameters
+    ----------
+    case : str
+        Of what shows only one; if none, the baseline or the case in which more numbers change.
     """
     same = unchanged(rows, names)
     case = case or case_of_pictures(rows, names)
@@ -595,7 +599,15 @@ def _number(rows: Swept, name: str, case: str) -> Along:
 
 
 def _drawn(title: str, axes: Sequence[Along], colour: int, strong: Flags, weak: Flags) -> Figure:
-    """colour : number of the axis that gives the lines their colour. strong, weak [n] : lines in colour and in grey."""
+    """colour : number of the axis that gives the lines their colour.
+
+    Parameters
+    ----------
+    strong : Flags [n]
+        Lines in colour and in grey.
+    weak : Flags [n]
+        Lines in colour and in grey.
+    """
     width = 1.6 + 1.75 * len(axes)
     figure = new_figure(width, 4.6, title)
     left, right, low, high = 0.8 / width, 1.0 - 1.5 / width, 0.05, 0.76

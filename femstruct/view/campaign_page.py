@@ -21,7 +21,10 @@ def write_page(
 ) -> Path:
     """Write the page to a path, in one step, with the files of pictures (png) by name.
 
-    names : of the numbers of a sweep, the main ones if none.
+    Parameters
+    ----------
+    names : Iterable[str]
+        Of the numbers of a sweep, the main ones if none.
     """
     with replacing(path) as temporary:
         temporary.write_text(campaign_page(answer, pictures, names), encoding="utf-8")

@@ -453,7 +453,10 @@ def _machine_columns(
 def _mark_doubtful(result: StudyResult, travels: Sequence[str], starts: int, cells: Mapping[str, list[str]]) -> str:
     """Put a mark beside travels that are not to be quoted; what the title says of it, "" without any.
 
-    starts : number of the first column of travels.
+    Parameters
+    ----------
+    starts : int
+        Number of the first column of travels.
     """
     doubts = {name: unquotable(result.cases[name]) for name in cells}
     for (name, row), (i, travel) in product(cells.items(), enumerate(travels, starts)):

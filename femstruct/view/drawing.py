@@ -195,11 +195,19 @@ def mode_lines(
     numbers: bool = True,
     of: str = " of the baseline",
 ) -> str:
-    """Dotted lines at natural frequencies inside a band, with the modes' numbers on top. of : whose modes they are.
-
-    Returns the label of the frequencies, which tells what the numbers are.
+    """Dotted lines at natural frequencies inside a band, with the modes' numbers on top.
 
     A number is left out where it would cover the one before.
+
+    Parameters
+    ----------
+    of : str
+        Whose modes they are.
+
+    Returns
+    -------
+    str
+        The label of the frequencies, which tells what the numbers are.
     """
     inside = {mode: frequency for mode, frequency in frequency_hz.items() if low <= frequency <= high}
     axes.vlines(

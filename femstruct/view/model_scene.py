@@ -317,8 +317,15 @@ def merge_labels(labels: Sequence[Label], near: float) -> list[Label]:
 def runs(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
     """Labels of the places of one list that follow each other and would cover each other as one, at the first of them.
 
-    low, high [3] : as of `separate_labels`.
+    Parameters
+    ----------
+    low : Floats [3]
+        As of `separate_labels`.
+    high : Floats [3]
+        As of `separate_labels`.
 
+    Examples
+    --------
     >>> right = np.array([-1.0, 1.0, 0.0])  # in the view
     >>> feet = [Label(f"feet.{i}", at * right, POINT) for i, at in enumerate((0.0, 0.02, 0.04, 0.9), 1)]
     >>> [label.name for label in runs(feet, np.zeros(3), np.full(3, 2.0))]
@@ -357,8 +364,15 @@ def _letter(low: Floats, high: Floats) -> Floats:
 def separate_labels(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
     """Labels that would cover an earlier one, moved up, or down where that is less, until they cover none.
 
-    low, high [3] : the box of all that is drawn [m], whose height in the picture tells the size of a letter.
+    Parameters
+    ----------
+    low : Floats [3]
+        The box of all that is drawn [m], whose height in the picture tells the size of a letter.
+    high : Floats [3]
+        The box of all that is drawn [m], whose height in the picture tells the size of a letter.
 
+    Examples
+    --------
     >>> at = np.zeros(3)
     >>> first, second = separate_labels([Label("left", at, POINT), Label("foot", at, SUPPORT)], at - 1.0, at + 1.0)
     >>> first.place.tolist(), bool(VIEW[1] @ second.place > 0.0), round(float(VIEW[0] @ second.place), 12)
@@ -436,7 +450,13 @@ def _marks(plotter: Any, places: Sequence[tuple[str, Floats]], colour: str) -> l
 
 
 def _room(plotter: Any, plan: RoomPlan, room: Placed, before: str) -> list[Label]:
-    """The outline of a room beside its surface, and its receivers; returns their names. before : those of receivers."""
+    """The outline of a room beside its surface, and its receivers; returns their names.
+
+    Parameters
+    ----------
+    before : str
+        Those of receivers.
+    """
     edges, named = room.from_room(plan.room.outline), []
     if len(edges):
         ends = edges.reshape(-1, 3)
@@ -716,7 +736,15 @@ def _mesh(fine: Refined, points: Floats, own: Any = None) -> Any:
 def save_scene(
     plotter: Any, path: str | Path, cut: bool = False, drawn: Callable[[Any], None] = lambda image: None
 ) -> None:
-    """Write what a plotter shows; cut : without the white around it; drawn : draws on the image."""
+    """Write what a plotter shows.
+
+    Parameters
+    ----------
+    cut : bool
+        Without the white around it.
+    drawn : Callable[[Any], None]
+        Draws on the image.
+    """
     from PIL import Image, ImageOps
 
     image = Image.fromarray(plotter.screenshot(None, return_img=True))

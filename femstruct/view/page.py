@@ -383,9 +383,14 @@ def _items(title: str, inputs: Inputs, groups: Sequence[str]) -> Grid:
 
 
 def cases_table(plan: Plan, finished: Sequence[str]) -> Grid:
-    """A row for everything that a case gives otherwise than the baseline; finished : names of the cases that were run.
+    """A row for everything that a case gives otherwise than the baseline.
 
     What a case changes in words that are no input, as a mesh file of its room, is told in the words of its file.
+
+    Parameters
+    ----------
+    finished : Sequence[str]
+        Names of the cases that were run.
     """
     grid = Grid(f"cases (baseline: {plan.baseline})", ("case", "input", "baseline", "case has"), keys=4)
     of_baseline = baseline_inputs(plan)

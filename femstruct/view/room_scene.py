@@ -83,9 +83,17 @@ def picture_surfaces(
 ) -> None:
     """Draw surfaces of equal pressure at some frequencies on one sheet, a pane each, in phase with the largest.
 
-    peaks : {name: frequency [Hz]}. apart_hz : of the lines of the record's spectrum, whose levels are stated.
+    Parameters
+    ----------
+    peaks : dict[str, float]
+        {name: frequency [Hz]}.
+    apart_hz : float
+        Of the lines of the record's spectrum, whose levels are stated.
 
-    Raises NoOpenGL where VTK cannot draw.
+    Raises
+    ------
+    NoOpenGL
+        Where VTK cannot draw.
     """
     import pyvista
 
@@ -128,9 +136,15 @@ _BAR: Final = {
 def animate(moving: Motion, grid: RoomGrid, plan: RoomPlan, frequency_hz: float | None, path: Path, title: str) -> None:
     """Write a moving picture (GIF) of the pressure on the boundary and on two planes through the first receiver.
 
-    frequency_hz : one period of that frequency, of the record's spectrum; None: the first milliseconds of the pulse.
+    Parameters
+    ----------
+    frequency_hz : float | None
+        One period of that frequency, of the record's spectrum; None: the first milliseconds of the pulse.
 
-    Raises NoOpenGL where VTK cannot draw.
+    Raises
+    ------
+    NoOpenGL
+        Where VTK cannot draw.
     """
     require_opengl()
     if frequency_hz is not None:

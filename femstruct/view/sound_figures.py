@@ -272,8 +272,14 @@ def draw_map(
 ) -> Figure:
     """A pane a frequency: the pressure in phase with its largest value, red compressed and blue rarefied.
 
-    drawn : normal to z. names : one a frequency. The range of the level over the plane stands above each pane; apart_hz
-    : of the lines that have these levels [Hz].
+    Parameters
+    ----------
+    drawn : PressureMap
+        Normal to z.
+    names : Sequence[str]
+        One a frequency. The range of the level over the plane stands above each pane.
+    apart_hz : float
+        Of the lines that have these levels [Hz].
     """
     count = len(drawn.frequency_hz)
     columns = min(count, COLUMNS)

@@ -28,7 +28,13 @@ NOISE = 1e-6  # of the largest displacement or rotation: less has no meaning bes
 
 
 def show_statics(table: Mapping[str, Any], verbose: bool = False) -> None:
-    """Displacements of points and parts, forces, largest stresses; verbose : remarks, too."""
+    """Displacements of points and parts, forces, largest stresses.
+
+    Parameters
+    ----------
+    verbose : bool
+        Remarks, too.
+    """
     screen = console()
     screen.print(table["title"], style="bold")
     x, y, z = (f"{value:.4g}" for value in table["load_n"])
@@ -78,7 +84,13 @@ LEAST_TILT_SHOWN = 1e-6  # rad: a micrometre a metre is rounding, or nobody's co
 
 
 def show_modes(table: Row, verbose: bool = False) -> None:
-    """Mode numbers, frequencies, damping ratios, kinds and effective masses; verbose : remarks, too."""
+    """Mode numbers, frequencies, damping ratios, kinds and effective masses.
+
+    Parameters
+    ----------
+    verbose : bool
+        Remarks, too.
+    """
     screen = console()
     if not table["frequency_hz"]:
         screen.print(f"{table['title']}\nno modes: bodies only" if not table["mass_kg"] else table["title"])

@@ -53,7 +53,10 @@ SPOKEN_HZ = 500.0  # modes above it are in summary.json; a terminal shows those 
 def show_study(result: StudyResult, written: Mapping[str, float], folder: str = "", verbose: bool = False) -> None:
     """Cases side by side: ratings, machine, limits, peaks, contacts, energy, levels, changes, findings, timings.
 
-    verbose : show remarks, too.
+    Parameters
+    ----------
+    verbose : bool
+        Show remarks, too.
     """
     screen = console()
     screen.print(result.plan.title, style="bold")

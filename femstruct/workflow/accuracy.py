@@ -110,7 +110,13 @@ def accuracy_findings(check: AccuracyCheck) -> tuple[Finding, ...]:
 def _climb(
     members: Sequence[Case], first: Solved, baseline: Case, reference: Solved | None
 ) -> tuple[Solved, dict[str, AccuracyCheck]]:
-    """Grow the basis of one structure until it does for all its cases; reference : the baseline's, if it is another."""
+    """Grow the basis of one structure until it does for all its cases.
+
+    Parameters
+    ----------
+    reference : Solved | None
+        The baseline's, if it is another.
+    """
     asking = [case for case in members if case.study.accuracy is not None]
     if not asking or np.isinf(first.basis.complete_below_hz):
         return first, {case.name: _complete(_rule(case)) for case in asking}

@@ -422,7 +422,12 @@ def sags(model: Model, basis: ModalBasis, point_loads: Sequence[tuple[Probe, flo
     """Static sags of all parts but those that are only nodes of others, as attachments; none for a structure that
     nothing holds up, or whose weight matrices do not say.
 
-    basis : in vacuo; it tells what is free to move. point_loads : forces [N] along probes of what hangs or lies on it.
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo; it tells what is free to move.
+    point_loads : Sequence[tuple[Probe, float]]
+        Forces [N] along probes of what hangs or lies on it.
 
     Notes
     -----
@@ -518,7 +523,10 @@ def meshed(structure: StructureModel, studies: Sequence[Study] = ()) -> MeshedSt
 def solve_all(cases: Sequence[Case], before: Iterable[Solved] = ()) -> dict[str, Solved]:
     """The undamped basis of every case, by case name; cases of one structure share one.
 
-    before : bases of another run, taken where they are of the same structure, as many modes and the same places.
+    Parameters
+    ----------
+    before : Iterable[Solved]
+        Bases of another run, taken where they are of the same structure, as many modes and the same places.
 
     Notes
     -----
@@ -592,7 +600,13 @@ def damp_basis(case: Case, solved: Mapping[str, Solved], baseline: Case) -> Moda
 
 
 def add_cavities(basis: ModalBasis, own: Solved) -> ModalBasis:
-    """The basis of a structure with the air of its cavities. basis : in vacuo, with its damping if it has one."""
+    """The basis of a structure with the air of its cavities.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo, with its damping if it has one.
+    """
     cavities = own.structure.cavities if isinstance(own.structure, Structure) else ()
     return with_cavities(basis, all_cavities(cavities, own.places.surfaces)[0])
 

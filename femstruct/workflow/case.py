@@ -170,10 +170,20 @@ def simulate_drops(
 ) -> dict[str, DropRun]:
     """Studies that differ in where a source strikes, simulated: impacts, their errors, rooms, levels, by drop.
 
-    basis : damped, with the air that reacts on the structure; vacuo : without it. stage : measures a stage by its name.
-    transfers : of rooms computed before. estimated : whether the error of each is, which takes a second simulation.
-
     Raises what the stages raise.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped, with the air that reacts on the structure.
+    vacuo : ModalBasis
+        Without it.
+    stage : Timed
+        Measures a stage by its name.
+    transfers : RoomTransfers
+        Of rooms computed before.
+    estimated : bool
+        Whether the error of each is, which takes a second simulation.
 
     Notes
     -----
@@ -238,7 +248,13 @@ def findings_of(
     rooms: Mapping[str, RoomResponse],
     levels_by_receiver: Mapping[str, Levels],
 ) -> tuple[Finding, ...]:
-    """What is to be known of an impact and of what is heard of it. vacuo : without air that reacts on the modes."""
+    """What is to be known of an impact and of what is heard of it.
+
+    Parameters
+    ----------
+    vacuo : ModalBasis
+        Without air that reacts on the modes.
+    """
     noted: list[tuple[str, Advice | Finding]] = [
         (name, advice) for name, one in rooms.items() for advice in one.findings
     ]
@@ -297,7 +313,13 @@ def _rooms(
     ends: Mapping[str, float],
     transfers: RoomTransfers,
 ) -> dict[str, dict[str, RoomResponse]]:
-    """What is heard in every room, by drop; ends : up to which frequency of each is of interest [Hz]."""
+    """What is heard in every room, by drop.
+
+    Parameters
+    ----------
+    ends : Mapping[str, float]
+        Up to which frequency of each is of interest [Hz].
+    """
     rooms = {}
     for plan in study.rooms:
         if not plan.receivers and (plan.coupling == "two-way" or plan.room.open_air is not None):
@@ -357,9 +379,16 @@ def run_impact(case: Case, key: str, places: Places, basis: ModalBasis, scene: S
     """A case of one impact: its history and what follows from that, without rooms, frequency responses and steady
     vibration, and without an estimate of the march's error.
 
-    key : of the structure. basis : damped. scene : takes the place of the study's.
-
     Raises what simulating and recording raise.
+
+    Parameters
+    ----------
+    key : str
+        Of the structure.
+    basis : ModalBasis
+        Damped.
+    scene : Scene
+        Takes the place of the study's.
     """
     study = replace(case.study, limits=tuple(limit for limit in case.study.limits if not limit.room))
     assert study.time is not None
@@ -403,8 +432,17 @@ def run_case(
     transfers: RoomTransfers,
     estimated: bool = True,
 ) -> CaseResult:
-    """One case through every stage that its study asks for; accuracy : what came of asking for one; transfers : of
-    rooms computed before; estimated : whether the error of the march is."""
+    """One case through every stage that its study asks for.
+
+    Parameters
+    ----------
+    accuracy : AccuracyCheck | None
+        What came of asking for one.
+    transfers : RoomTransfers
+        Of rooms computed before.
+    estimated : bool
+        Whether the error of the march is.
+    """
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):
         basis = damp_basis(case, solved, baseline)
@@ -478,7 +516,13 @@ def run_case(
 
 
 def findings_before_run(case: Case, own: Solved, basis: ModalBasis, accuracy: AccuracyCheck | None) -> list[Finding]:
-    """What is to be known of a case before anything happens in it. basis : damped."""
+    """What is to be known of a case before anything happens in it.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped.
+    """
     return [
         *all_findings(own, basis, case.studies, case.study.frf),
         *study_findings(case, own.places),
@@ -547,7 +591,15 @@ def _responses(
 def room_mode_findings(
     study: Study, places: Places, basis: ModalBasis, vacuo: ModalBasis
 ) -> list[tuple[str, Advice | Finding]]:
-    """What the modes tell of rooms, by room. basis : with the air that reacts on the structure; vacuo : without it."""
+    """What the modes tell of rooms, by room.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        With the air that reacts on the structure.
+    vacuo : ModalBasis
+        Without it.
+    """
     noted: list[tuple[str, Advice | Finding]] = []
     for plan in study.rooms:
         room = placed_room(plan, places.surfaces)

@@ -113,8 +113,15 @@ def mode_attenuation(reference: CaseResult, result: CaseResult, channel: str, sp
 def _lines(
     reference: CaseResult, channel: str, before: Floats, step: float, slowest: float
 ) -> Iterator[tuple[int, int]]:
-    """Modes by number, each with the line of the baseline's spectrum it is compared at. step, slowest [Hz] : between
-    lines; one period in the record."""
+    """Modes by number, each with the line of the baseline's spectrum it is compared at.
+
+    Parameters
+    ----------
+    step : float [Hz]
+        Between lines; one period in the record.
+    slowest : float [Hz]
+        Between lines; one period in the record.
+    """
     rooms = reference.case.study.rooms
     highest = min((plan.complete_below_hz for plan in rooms if channel.startswith(f"{plan.name}.")), default=np.inf)
     top = np.flatnonzero((before[1:-1] > before[:-2]) & (before[1:-1] >= before[2:])) + 1
@@ -148,7 +155,10 @@ SAME: Final = 1e-9  # relative rounding of a duration
 def compare(baseline: str, results: Mapping[str, CaseResult], spectra: Spectra) -> Comparison:
     """All other cases beside the baseline.
 
-    spectra : of channels that were compared before; those of these cases are added.
+    Parameters
+    ----------
+    spectra : Spectra
+        Of channels that were compared before; those of these cases are added.
 
     Notes
     -----
@@ -473,7 +483,10 @@ def energy_share(balance: EnergyBalance, response: Response, striking: set[str],
     """Where the energy put in until an instant is. A contact or link between a striking body and another one counts as
     the striking body's.
 
-    apart : all contacts are without force. What a damped spring still holds then is lost, nothing takes it back.
+    Parameters
+    ----------
+    apart : bool
+        All contacts are without force. What a damped spring still holds then is lost, nothing takes it back.
     """
     start, scene = response.ledger.start, response.scene
     joins = {join.name: {end for end in (join.upper, join.lower) if isinstance(end, str)} for join in scene.contacts}

@@ -239,7 +239,13 @@ def _first_modes(structure: StructureModel) -> tuple[Solved, tuple[Finding, ...]
 
 
 def _left_blank(source: ModelFile | Plan, basis: ModalBasis) -> tuple[Finding, ...]:
-    """Rated bands that the modes of a study's cases leave blank; basis : of its baseline."""
+    """Rated bands that the modes of a study's cases leave blank.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        Of its baseline.
+    """
     if isinstance(source, ModelFile):
         return ()
     return tuple(room_findings(blanks_before(source.cases, {source.baseline: basis.complete_below_hz})))
@@ -254,8 +260,15 @@ def _positions(solved: Solved) -> dict[str, tuple[float, float, float] | None]:
 
 
 def damping_sentences(damping: Damping, given: bool = False) -> tuple[str, ...]:
-    """The damping of a file in both of its usual measures; given : to modes that bring ratios of their own.
+    """The damping of a file in both of its usual measures.
 
+    Parameters
+    ----------
+    given : bool
+        To modes that bring ratios of their own.
+
+    Examples
+    --------
     >>> damping_sentences(Damping(Ratio(0.02)))
     ('damping: ratio 2 % = loss factor 4 %',)
     """

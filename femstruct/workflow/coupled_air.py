@@ -37,7 +37,10 @@ def couple_rooms(
 ) -> tuple[ModalBasis, list[tuple[str, Finding]]]:
     """The basis with the air of all rooms whose coupling is two-way, and what is to be known of it, by room.
 
-    basis : in vacuo, damped; rooms are joined to it one after the other.
+    Parameters
+    ----------
+    basis : ModalBasis
+        In vacuo, damped; rooms are joined to it one after the other.
     """
     findings: list[tuple[str, Finding]] = []
     for plan in rooms:
@@ -51,10 +54,15 @@ def couple_rooms(
 def weight_on_air(response: Response, vacuo: ModalBasis, rooms: Sequence[RoomPlan]) -> list[tuple[str, Finding]]:
     """What came to rest on a structure whose weight sealed air helps to carry, by room.
 
-    response : of the basis with the air. vacuo : the basis without it.
-
     Only bodies that fall put a static load on a simulation: its structure is at rest under its own weight at t = 0,
     where the air has no pressure of its own.
+
+    Parameters
+    ----------
+    response : Response
+        Of the basis with the air.
+    vacuo : ModalBasis
+        The basis without it.
     """
     scene = response.scene
     falling = {body.name: body.mass * scene.gravity for body in scene.bodies if body.falls and scene.gravity}

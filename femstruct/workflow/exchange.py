@@ -168,7 +168,13 @@ def _moving(spot: Spot, probe: Probe, solved: Solved, option: str) -> Probe:
 def write_modes(
     source: ModelFile, to: str, folder: Path, name: str, extent: Extent, tell: Progress, sets: Sequence[int] = ()
 ) -> list[Path]:
-    """Write the modes of a model to NAME.uff or NAME.vtu; returns the file. sets : as of `write_uff`."""
+    """Write the modes of a model to NAME.uff or NAME.vtu; returns the file.
+
+    Parameters
+    ----------
+    sets : Sequence[int]
+        As of `write_uff`.
+    """
     if to == "uff":
         pyuff()  # told before the work
     with with_positions(source):
@@ -187,8 +193,15 @@ def write_basis(
     name: str,
     sets: Sequence[int] = (),
 ) -> list[Path]:
-    """Write the modes of a basis to NAME.uff or NAME.vtu; returns the file. model : None of a closed form. sets : as of
-    `write_uff`."""
+    """Write the modes of a basis to NAME.uff or NAME.vtu; returns the file.
+
+    Parameters
+    ----------
+    model : Model | None
+        None of a closed form.
+    sets : Sequence[int]
+        As of `write_uff`.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{short(name)}.{to}"
     if to == "vtu":
@@ -247,11 +260,20 @@ def export_source(
 ) -> list[Path]:
     """Write what there is in a file to a folder; returns the files.
 
-    file : results of a run, a sweep or an optimisation for `csv` and `xlsx`, a model for `npz` and `mtx`, a run or a
-    model for modes. extent : how many modes of a model, for `uff` and `vtu`. data_sets : of a universal file, as in
-    "15,2414"; "" for the usual ones.
+    Parameters
+    ----------
+    file : Path
+        Results of a run, a sweep or an optimisation for `csv` and `xlsx`, a model for `npz` and `mtx`, a run or a model
+        for modes.
+    extent : Extent | None
+        How many modes of a model, for `uff` and `vtu`.
+    data_sets : str
+        Of a universal file, as in "15,2414"; "" for the usual ones.
 
-    Raises InputError for the other kind of file, and for a number of modes or data sets where none are written.
+    Raises
+    ------
+    InputError
+        For the other kind of file, and for a number of modes or data sets where none are written.
     """
     _refuse_other(file, to)
     sets = _numbers(data_sets)
@@ -390,9 +412,15 @@ def compare_measured_modes(
 ) -> Table:
     """Table of measured modes with their partners in a model, and of the MAC of all of them.
 
-    extent : of the model's modes; None for all up to 1.5 times the highest measured frequency.
+    Parameters
+    ----------
+    extent : Extent | None
+        Of the model's modes; None for all up to 1.5 times the highest measured frequency.
 
-    Raises InputError for a file without modes, and as `correlation` and `read_uff`.
+    Raises
+    ------
+    InputError
+        For a file without modes, and as `correlation` and `read_uff`.
     """
     width, unit = _option(near, "--near", "ratio"), _option(f"1 {length}", "--length", "length")
     if not 0.0 <= width < 1.0:

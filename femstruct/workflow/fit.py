@@ -102,8 +102,17 @@ def fit_with_intervals(
     runs: int,
     numbers: int,
 ) -> Fit:
-    """The fit with its intervals. x [p], jacobian [N, p] : of the scaled parameters. numbers : independent ones among
-    what is left."""
+    """The fit with its intervals.
+
+    Parameters
+    ----------
+    x : Floats [p]
+        Of the scaled parameters.
+    jacobian : Floats [N, p]
+        Of the scaled parameters.
+    numbers : int
+        Independent ones among what is left.
+    """
     names, scale = [one.name for one in parameters], np.array([one.scale for one in parameters])
     values, size_of = scale * x, np.abs(scale)
     open_, covariance = _seen(jacobian, np.ones(len(x), dtype=bool))
@@ -269,7 +278,12 @@ class Combination:
 def combinations(fit: Fit, units: Mapping[str, str], residuals: Callable[[Values], Floats]) -> tuple[Combination, ...]:
     """What the data do not distinguish: combinations that change nothing, then those that change little.
 
-    units : of the parameters. residuals : at any values; tells a sum from a product.
+    Parameters
+    ----------
+    units : Mapping[str, str]
+        Of the parameters.
+    residuals : Callable[[Values], Floats]
+        At any values; tells a sum from a product.
     """
     found = [_combination(fit, units, residuals, row, np.inf) for row in fit.open]
     relative = [i for i, name in enumerate(fit.values) if name not in (*fit.shifts, *fit.at_zero, *fit.at_bound)]
@@ -361,12 +375,20 @@ def fit(
 ) -> Fit:
     """Parameters with which a history comes closest to a measured one, by the sum of squares.
 
-    history : the computed history [N], at the measured times, for values of the parameters by name.
-    start : values to start from, not zero; a parameter keeps the sign of its start, and may end at zero.
-    shifts : parameters that start at zero and may have either sign, with a change of each that counts as 1.
+    Parameters
+    ----------
+    history : History
+        The computed history [N], at the measured times, for values of the parameters by name.
+    start : Values
+        Values to start from, not zero; a parameter keeps the sign of its start, and may end at zero.
+    shifts : Values | None
+        Parameters that start at zero and may have either sign, with a change of each that counts as 1.
 
-    Raises InputError for a parameter of which the data do not depend, by name, and for too few samples or a start of
-    zero; NotConverged after 100 iterations.
+    Raises
+    ------
+    InputError
+        For a parameter of which the data do not depend, by name, and for too few samples or a start of zero;
+        NotConverged after 100 iterations.
 
     Notes
     -----
@@ -380,6 +402,8 @@ def fit(
     ----------
     Seber and Wild, Nonlinear Regression (1989), sections 2.1.2 and 5.1.
 
+    Examples
+    --------
     >>> t = np.linspace(0.0, 3.0, 50)
     >>> found = fit(lambda p: p["a"] * np.exp(-p["b"] * t), 2.0 * np.exp(-0.5 * t), {"a": 1.0, "b": 1.0})
     >>> {name: round(value, 6) for name, value in found.values.items()}
@@ -420,12 +444,21 @@ def fit_parameters(
 ) -> Fit:
     """Parameters with the least sum of squares of residuals [N], between their bounds.
 
-    residuals : computed less measured, over its scatter. size : norm of what was measured, over its scatter.
-    jacobian : derivatives [N, p] of the residuals by the parameters; central differences without it. known : whether
-    the scatter was stated for all data: intervals are then those of the normal distribution, unless the residuals
-    exceed it. count : how many independent numbers the residuals are; N without it.
-
     Raises as `fit`.
+
+    Parameters
+    ----------
+    residuals : History
+        Computed less measured, over its scatter.
+    size : float
+        Norm of what was measured, over its scatter.
+    jacobian : Callable[[Values], Floats] | None
+        Derivatives [N, p] of the residuals by the parameters; central differences without it.
+    known : bool
+        Whether the scatter was stated for all data: intervals are then those of the normal distribution, unless the
+        residuals exceed it.
+    count : Callable[[Values], int] | None
+        How many independent numbers the residuals are; N without it.
     """
     names, scale = [one.name for one in parameters], np.array([one.scale for one in parameters])
     ends = np.array([[one.low, one.high] for one in parameters]).reshape(-1, 2) / scale[:, None]
@@ -586,7 +619,13 @@ class Left(NamedTuple):
 def fit_findings(
     fit: Fit, sets: Sequence[Left] | None = None, combinations: Sequence[Combination] = ()
 ) -> tuple[Finding, ...]:
-    """Reasons not to trust a fit, with their numbers. sets : of data; without them they are one history."""
+    """Reasons not to trust a fit, with their numbers.
+
+    Parameters
+    ----------
+    sets : Sequence[Left] | None
+        Of data; without them they are one history.
+    """
     if sets is None:
         size = float(np.linalg.norm(fit.residuals)) / np.sqrt(max(1.0 - fit.explained, 1e-300))
         sets = (Left("measured history", fit.residuals, 1, False, float(size), len(fit.residuals)),)

@@ -133,16 +133,28 @@ def identify(
 ) -> Identification:
     """Values of numbers in a study or a model with which what is computed matches what was measured.
 
-    study : a study, or a model where nothing but modes and frequency responses were measured.
-    measured : what was measured; or a CSV of time and value, whose header such as ``time [ms], force [N]`` gives their
-    units, SI without. channel : then what it is of, as the study records it, "ball on floor force".
-    parameters : texts ``PATH=START`` or ``PATH=START:LOW:HIGH`` with a start other than zero, in the unit in which the
-    result is wanted. Without bounds a parameter keeps its sign.
-    delay : find the time by which the measured history begins later than the simulation [s], too.
-    case : of the study, "" for its baseline.
+    Parameters
+    ----------
+    study : Path
+        A study, or a model where nothing but modes and frequency responses were measured.
+    measured : Path | str | MeasuredFiles
+        What was measured; or a CSV of time and value, whose header such as ``time [ms], force [N]`` gives their units,
+        SI without.
+    channel : str
+        Then what it is of, as the study records it, "ball on floor force".
+    parameters : Sequence[str]
+        Texts ``PATH=START`` or ``PATH=START:LOW:HIGH`` with a start other than zero, in the unit in which the result is
+        wanted. Without bounds a parameter keeps its sign.
+    delay : bool
+        Find the time by which the measured history begins later than the simulation [s], too.
+    case : str
+        Of the study, "" for its baseline.
 
-    Raises InputErrors for what the files, the channel or the parameters do not have; InputError for parameters of which
-    the data do not depend; NotConverged.
+    Raises
+    ------
+    InputErrors
+        For what the files, the channel or the parameters do not have; InputError for parameters of which the data do
+        not depend; NotConverged.
 
     Notes
     -----
@@ -153,6 +165,8 @@ def identify(
     weights as usual (1 % of a frequency, 10 % of a line, 1.5 dB of a band, 5 % of the rms of a history), and the
     intervals follow the residuals.
 
+    Examples
+    --------
     A ball of 1 kg hits a wall at 1 m/s; its force is a half sine of 100 N, recorded every millisecond:
 
     >>> from pathlib import Path

@@ -61,7 +61,13 @@ RECORDED_PEAK_MISSED = 0.05  # of a recorded peak, by which the samples of its h
 
 
 def coarse_sampling(study: Study, last_hz: float, modes: int) -> Iterator[Finding]:
-    """What the sampling of a study says against it, of modes up to a frequency [Hz]; modes : how many of them."""
+    """What the sampling of a study says against it, of modes up to a frequency [Hz].
+
+    Parameters
+    ----------
+    modes : int
+        How many of them.
+    """
     time = study.time
     if time is None or time.sampling >= ENOUGH * last_hz:
         return
@@ -566,8 +572,11 @@ def hammer_findings(study: Study, places: Places) -> tuple[Finding, ...]:
 def aliased_findings(response: Response, accelerations: Mapping[str, Floats]) -> tuple[Finding, ...]:
     """Recorded accelerations to which modes or residual vectors above half the sampling add more than a little.
 
-    accelerations : the rows [k] of what is recorded, by channel. Displacements and velocities of such modes are small;
-    their accelerations are not, and samples show them at frequencies where nothing is.
+    Parameters
+    ----------
+    accelerations : Mapping[str, Floats]
+        The rows [k] of what is recorded, by channel. Displacements and velocities of such modes are small; their
+        accelerations are not, and samples show them at frequencies where nothing is.
     """
     half, found = response.clock.sampling / 2.0, []
     fast = response.basis.frequency_hz > half

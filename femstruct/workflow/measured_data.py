@@ -104,8 +104,18 @@ class Datum(ABC):
 def file_and_scatter(text: str, option: str, dimension: str, most: float = np.inf) -> tuple[Path, float | None]:
     """A file and its scatter, one standard deviation, of a text ``FILE +- SCATTER`` or ``FILE``.
 
-    most : of it, as `scatter_of`. Raises InputError that begins with the option's name.
+    Parameters
+    ----------
+    most : float
+        Of it, as `scatter_of`.
 
+    Raises
+    ------
+    InputError
+        That begins with the option's name.
+
+    Examples
+    --------
     >>> file_and_scatter("floor.csv +- 0.5 %", "--modes", "ratio")
     (PosixPath('floor.csv'), 0.005)
     """
@@ -118,8 +128,11 @@ def file_and_scatter(text: str, option: str, dimension: str, most: float = np.in
 def scatter_of(text: str, option: str, dimension: str, most: float = np.inf) -> float:
     """A scatter as it is written, above zero; raises as `file_and_scatter`.
 
-    most : the largest that says anything. A share above `DOUBTED`, or a quarter of the most, needs its % sign: so a
-    forgotten one is told.
+    Parameters
+    ----------
+    most : float
+        The largest that says anything. A share above `DOUBTED`, or a quarter of the most, needs its % sign: so a
+        forgotten one is told.
     """
     try:
         value = quantity(text, dimension)
@@ -375,8 +388,12 @@ class ModesDatum(Datum):
 def read_modes(path: Path, scatter: float | None, shapes: float, near: float, length: float) -> ModesDatum:
     """Measured modes of a universal file (data sets 55, 2414), or natural frequencies of a table.
 
-    scatter : of the frequencies, as a share; None for that of the table, or a usual one. Raises as the readers, and for
-    a file without modes.
+    Raises as the readers, and for a file without modes.
+
+    Parameters
+    ----------
+    scatter : float | None
+        Of the frequencies, as a share; None for that of the table, or a usual one.
     """
     if path.suffix.lower() in UNIVERSAL:
         modes = read_uff(path, length).modes
@@ -526,11 +543,19 @@ def read_frfs(
 ) -> tuple[FrfDatum, ...]:
     """Frequency responses of a table of `femstruct frf --to csv`, or of a universal file (data set 58).
 
-    scatter : of real and imaginary part, as a share of the amplitude of each line. places : of the model, which nodes
-    of a universal file are found in by name, else by position. band : what of them is fitted [Hz]; all without it.
+    Parameters
+    ----------
+    scatter : float | None
+        Of real and imaginary part, as a share of the amplitude of each line.
+    places : Places
+        Of the model, which nodes of a universal file are found in by name, else by position.
+    band : tuple[float, float] | None
+        What of them is fitted [Hz]; all without it.
 
-    Raises InputError for a file without responses of motion or force, places that the model does not have, and a band
-    without lines.
+    Raises
+    ------
+    InputError
+        For a file without responses of motion or force, places that the model does not have, and a band without lines.
     """
     if path.suffix.lower() in UNIVERSAL:
         measured = read_uff(path, length)

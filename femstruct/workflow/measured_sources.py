@@ -69,8 +69,11 @@ def floor_force(
     """What a floor takes of the force of a mass [kg] at places, in third octaves from one nominal centre to another
     [Hz]; None where modes end below them.
 
-    beyond : whether to go on above the modes, with a mobility that is real and that of the last octave with modes, as
-    of plates: a light floor would else be heavy for want of modes.
+    Parameters
+    ----------
+    beyond : bool
+        Whether to go on above the modes, with a mobility that is real and that of the last octave with modes, as of
+        plates: a light floor would else be heavy for want of modes.
 
     Notes
     -----
@@ -149,9 +152,17 @@ def apply_reduction_to_rooms(
 
 
 def covering_findings(studies: Sequence[Study], places: Places, basis: ModalBasis) -> list[Finding]:
-    """What is to be known of a covering on this floor. basis : damped, with residual vectors for the hammers.
+    """What is to be known of a covering on this floor.
 
-    Raises InputError for one that was measured on a floor of another kind, and for one without all rated bands.
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped, with residual vectors for the hammers.
+
+    Raises
+    ------
+    InputError
+        For one that was measured on a floor of another kind, and for one without all rated bands.
 
     Notes
     -----
@@ -213,7 +224,13 @@ TAKEN_DB: Final = 1.0
 
 
 def footstep_findings(study: Study, places: Places, basis: ModalBasis) -> list[Finding]:
-    """Recorded footsteps on floors whose mobility is no longer far below that of a foot. basis : damped."""
+    """Recorded footsteps on floors whose mobility is no longer far below that of a foot.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped.
+    """
     found = []
     for load in study.loads:
         if not load.footstep or not isinstance(load.on, Spot):
@@ -256,10 +273,16 @@ def installed_sources(
 ) -> tuple[dict[str, InstalledSource], RoomFindings]:
     """What the measured sources of a study do, by name, and what is to be known of it, by source.
 
-    basis : damped, with the air of two-way rooms.
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped, with the air of two-way rooms.
 
-    Raises InputError for contacts that cannot move, a number of spectra that is not that of the contacts, mobilities
-    that do not cover the bands, and modes without damping.
+    Raises
+    ------
+    InputError
+        For contacts that cannot move, a number of spectra that is not that of the contacts, mobilities that do not
+        cover the bands, and modes without damping.
     """
     found: dict[str, InstalledSource] = {}
     findings: RoomFindings = []
@@ -374,7 +397,12 @@ def _refuse(
 
 def _lines(basis: ModalBasis, edges: Floats, rooms: Sequence[RoomPlan], together: Resonances | None = None) -> Floats:
     """Lines along frequency that follow the resonances of the structure and are dense enough for those of rooms.
-    together : of the structure with the source on it."""
+
+    Parameters
+    ----------
+    together : Resonances | None
+        Of the structure with the source on it.
+    """
     low, high = float(edges.min()), float(edges.max())
     also = np.unique(edges)
     if rooms:
@@ -502,7 +530,13 @@ def sound_energies(
 
 
 def shares_by_surface(study: Study, places: Places, response: Response, end_hz: float) -> dict[str, SurfaceShares]:
-    """What each surface gives the air of every closed room that several move, by name. end_hz : where modes end."""
+    """What each surface gives the air of every closed room that several move, by name.
+
+    Parameters
+    ----------
+    end_hz : float
+        Where modes end.
+    """
     found: dict[str, SurfaceShares] = {}
     for plan in study.rooms:
         if len(plan.moved) < FEWEST or plan.room.open_air is not None:

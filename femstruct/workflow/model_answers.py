@@ -55,10 +55,16 @@ _SOLVED: Final = 1e-6  # of the load, or of the stiffness: less is rounding of a
 def statics_table(path: Path, forces: list[str], weight: bool, overrides: tuple[str, ...] = ()) -> Table:
     """Table of a model at rest: displacements of its points and parts, forces that hold it, largest stresses.
 
-    forces : each "POINT.direction=FORCE".
+    Parameters
+    ----------
+    forces : list[str]
+        Each "POINT.direction=FORCE".
 
-    Raises InputError where nothing acts, for a force it cannot read, and for a structure in closed form or one that can
-    move as a whole.
+    Raises
+    ------
+    InputError
+        Where nothing acts, for a force it cannot read, and for a structure in closed form or one that can move as a
+        whole.
     """
     if not forces and not weight:
         got, do = "nothing that acts", "such as --force 'P.z=-10 kN'"
@@ -161,13 +167,22 @@ KIND: Final = "equivalent stress (von Mises), largest of a cycle,"
 def stress_response(request: FrfRequest, solved: Solved, basis: ModalBasis) -> tuple[Table, tuple[Finding, ...]]:
     """What a stress per unit force adds to the table of a frequency response, and its findings.
 
-    request : its response is PART.stress, the largest anywhere in the part at each frequency, or POINT.stress, that at
-    the place nearest to the point where its part has stresses.
+    Parameters
+    ----------
+    request : FrfRequest
+        Its response is PART.stress, the largest anywhere in the part at each frequency, or POINT.stress, that at the
+        place nearest to the point where its part has stresses.
 
-    Returns real and imag of the equivalent stress [Pa/N], at each frequency the largest of all places, and at the one
-    place where it is largest in the band the equivalent stress and the complex components along the local axes.
+    Returns
+    -------
+    tuple[Table, tuple[Finding, ...]]
+        Real and imag of the equivalent stress [Pa/N], at each frequency the largest of all places, and at the one place
+        where it is largest in the band the equivalent stress and the complex components along the local axes.
 
-    Raises InputError for what has no stresses, and at 0 Hz of a structure that is free.
+    Raises
+    ------
+    InputError
+        For what has no stresses, and at 0 Hz of a structure that is free.
     """
     low, high = request.band
     lines = np.arange(int(np.floor((high - low) / request.step + 1e-9)) + 1, dtype=np.float64)
@@ -235,7 +250,10 @@ def frf_of(
 ) -> Table:
     """One frequency response of a model file, by modes with residuals or, as their check, line by line.
 
-    kind : "" for accelerance, and transmissibility of a force.
+    Parameters
+    ----------
+    kind : str
+        "" for accelerance, and transmissibility of a force.
 
     Notes
     -----

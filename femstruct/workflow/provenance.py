@@ -26,8 +26,15 @@ SOON: Final = 1.0  # seconds, before which nothing is said of what is left
 
 
 def progress_counter(of: int, what: str, progress: Progress, *, most: bool = False) -> Callable[[int], None]:
-    """Tells how many of so many are done, and about how long the others take. most : fewer may do.
+    """Tells how many of so many are done, and about how long the others take.
 
+    Parameters
+    ----------
+    most : bool
+        Fewer may do.
+
+    Examples
+    --------
     >>> progress_counter(500, "lines", print)(120)
     120 of 500 lines
     """
@@ -126,7 +133,10 @@ class Stopwatch:
     def at(self, number: int, of: int, since: float) -> None:
         """Say from now on which of several cases is run, and about how long all of them still take.
 
-        since : when the first of them began, by `time.monotonic`.
+        Parameters
+        ----------
+        since : float
+            When the first of them began, by `time.monotonic`.
         """
         self._place = place(number, of, time.monotonic() - since)
 

@@ -66,7 +66,10 @@ ASKEW: Final = 1e-6  # of the rigidities: coupling of bending and twist of layer
 def bare_plate(plan: RoomPlan, study: Study, patch_m: float = 0.0) -> RadiatingPlate | str:
     """The plate above a room whose levels can be had by statistical energies; a reason where there is none.
 
-    patch_m : radius of the disc that is struck [m].
+    Parameters
+    ----------
+    patch_m : float
+        Radius of the disc that is struck [m].
     """
     structure = study.structure
     reason = _not_bare(structure) or _struck_otherwise(study) or _other_air(plan)
@@ -185,7 +188,10 @@ _MOST_HZ: Final = 1e6
 def blow_exposures(bodies: Iterable[PlacedBody], plate: InfinitePlate, bands_hz: Sequence[float]) -> dict[float, float]:
     """Force exposures {nominal third octave [Hz]: [N^2 s]} of one blow on an infinite plate, the mean over bodies.
 
-    bodies : each with a speed and a law of its own.
+    Parameters
+    ----------
+    bodies : Iterable[PlacedBody]
+        Each with a speed and a law of its own.
 
     Notes
     -----
@@ -247,7 +253,12 @@ def blow_spectrum(response: Response, body: PlacedBody, s: Complexes, *, weighs:
     """Spectrum [nf] [N s] of the force of a body's first blow, from its start on, at complex frequencies s [1/s].
 
     From the momentum of the body at the samples: exact for waves that are long beside the sampling, however short the
-    blow. weighs : whether gravity acts on it.
+    blow.
+
+    Parameters
+    ----------
+    weighs : bool
+        Whether gravity acts on it.
     """
     history, sampling = response.bodies[body.name], response.clock.sampling
     start = next((blow.t for blow in response.blows if blow.body == body.name), 0.0)
@@ -265,7 +276,10 @@ def blow_spectrum(response: Response, body: PlacedBody, s: Complexes, *, weighs:
 def coupled_oscillators(basis: ModalBasis, modes: Integers) -> Oscillators | None:
     """Oscillators of the whole basis [K] where damping couples any of these modes [k] to each other, else None.
 
-    basis : damped.
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped.
     """
     damping = basis.time_damping
     among = damping[np.ix_(modes, modes)]
@@ -280,8 +294,13 @@ def driven_rates(
 ) -> Complexes:
     """Spectra of the rates [n, k, nf] of some modes [k] by forces [n, nf] at places whose rows are [n, K], of all.
 
-    basis : damped. found : what `coupled_oscillators` found of these modes and those they move with. Modes it does not
-    couple move by themselves.
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped.
+    found : Oscillators | None
+        What `coupled_oscillators` found of these modes and those they move with. Modes it does not couple move by
+        themselves.
     """
     if found is None:
         own, squared = np.diag(basis.time_damping)[modes], basis.omega[modes] ** 2
@@ -300,9 +319,14 @@ def driven_rates(
 def _of_oscillators(
     found: Oscillators, kicks: Floats, drives: Floats, reads: Floats, forces: Complexes, s: Complexes
 ) -> Complexes:
-    """Rates [n, k, nf] of oscillators that forces [n, nf] kick and drive by [K, n], each; reads [k, 2 K] : of [z, v].
+    """Rates [n, k, nf] of oscillators that forces [n, nf] kick and drive by [K, n], each.
 
     s z = v + kick f and s v = -w^2 z - c v + drive f, for every oscillator by itself.
+
+    Parameters
+    ----------
+    reads : Floats [k, 2 K]
+        Of [z, v].
     """
     squared, damping = found.omega[:, None] ** 2, found.damping[:, None]
     motion = np.empty((2, *kicks.shape, len(s)), dtype=np.complex128)
@@ -491,7 +515,13 @@ def low_bands(plan: RoomPlan, method: Method, end_hz: float) -> dict[float, floa
 
 
 def room_ensembles(drops: Drops, places: Places, basis: ModalBasis) -> dict[str, Ensemble]:
-    """Of every rated room of a case that can have one, by name. basis : damped, without the rooms' air."""
+    """Of every rated room of a case that can have one, by name.
+
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped, without the rooms' air.
+    """
     study = next(iter(drops.studies.values()))
     found = {}
     for plan in study.rooms:
@@ -578,7 +608,15 @@ def _motions(
     window: tuple[float, float] | None,
 ) -> tuple[Iterator[list[Complexes]], str]:
     """For every set of places, for each drop, spectra of the modal rates of its blows [h, k, nf], one set after the
-    other; what is drawn anew. rows : of `draw_drops`. window : of a machine that runs on [s]."""
+    other; what is drawn anew.
+
+    Parameters
+    ----------
+    rows : list[list[Floats]] | None
+        Of `draw_drops`.
+    window : tuple[float, float] | None
+        Of a machine that runs on [s].
+    """
     studies = list(drops.studies.values())
     runs = list(drops.responses.values())
     if rows is None:
@@ -633,8 +671,13 @@ def _member(
     method: Method,
     every: float,
 ) -> Floats:
-    """Level of one set of places [b] [dB], averaged as the standard does. every : time for which one spectrum of a
-    tapping machine stands [s]."""
+    """Level of one set of places [b] [dB], averaged as the standard does.
+
+    Parameters
+    ----------
+    every : float
+        Time for which one spectrum of a tapping machine stands [s].
+    """
     places = []
     for rates in motion:
         spectra = np.einsum("rkf,hkf->rhf", transfers, rates, optimize=True)
@@ -732,7 +775,13 @@ def fillable(plate: RadiatingPlate, study: Study, method: Method) -> tuple[float
 
 
 def statistical_rooms(study: Study, drops: int) -> dict[str, StatisticalBands]:
-    """Of every rated room under a bare plate, by name. drops : at how many places the source strikes."""
+    """Of every rated room under a bare plate, by name.
+
+    Parameters
+    ----------
+    drops : int
+        At how many places the source strikes.
+    """
     found = {plan.name: statistical_bands(plan, study, drops) for plan in study.rooms}
     return {name: one for name, one in found.items() if one is not None}
 
@@ -740,7 +789,10 @@ def statistical_rooms(study: Study, drops: int) -> dict[str, StatisticalBands]:
 def statistical_bands(plan: RoomPlan, study: Study, drops: int) -> StatisticalBands | None:
     """Levels of a rated room by statistical energies, in all bands that its standards have; None for other floors.
 
-    drops : at how many places the source strikes.
+    Parameters
+    ----------
+    drops : int
+        At how many places the source strikes.
 
     Notes
     -----

@@ -54,7 +54,12 @@ def band_levels(
     """What the standards rate at every receiver of a room {nominal band [Hz]: [dB]}: the largest Fast levels, of a
     tapping machine those of the mean square while it runs.
 
-    whole : the sound, before it ends at `end_hz`, above which bands are nan. levels : of the one that ends there.
+    Parameters
+    ----------
+    whole : RoomResponse
+        The sound, before it ends at `end_hz`, above which bands are nan.
+    levels : Sequence[Levels]
+        Of the one that ends there.
     """
     if method.blows == "heavy":
         return [one.octaves_db if method.fraction == 1 else one.bands_db for one in levels]
@@ -99,8 +104,14 @@ def rate_rooms(
 ) -> dict[str, RatedRoom]:
     """Every room that is to be rated, by name, from the levels of its receivers {room: [receivers]} at every drop.
 
-    Of blows that the standards do not rate there are bands, and no single numbers. statistical : levels by room that
-    stand where modes have none. ensembles : of low bands, by room.
+    Of blows that the standards do not rate there are bands, and no single numbers.
+
+    Parameters
+    ----------
+    statistical : Mapping[str, StatisticalBands]
+        Levels by room that stand where modes have none.
+    ensembles : Mapping[str, Ensemble]
+        Of low bands, by room.
     """
     found = {}
     for plan in study.rooms:
@@ -116,7 +127,10 @@ def rate_rooms(
 def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice | Finding, ...]:
     """Reverberation times missed, few places, and blows that the standards do not rate: what takes no modes.
 
-    drops : at how many places the source strikes.
+    Parameters
+    ----------
+    drops : int
+        At how many places the source strikes.
     """
     found: list[Advice | Finding] = list(t60_missed({f: plan.room.t60(f) for f in plan.t60_asked}, plan.t60_asked))
     method = method_for(plan, study)
@@ -142,7 +156,10 @@ def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice
 def overlap_findings(plan: RoomPlan, study: Study, basis: ModalBasis) -> tuple[Finding, ...]:
     """Blows of a tapping machine, rated one by one, of which the floor or the room remembers the one before.
 
-    basis : damped.
+    Parameters
+    ----------
+    basis : ModalBasis
+        Damped.
     """
     method = method_for(plan, study)
     return _overlapping(plan, method, study, basis) if method is not None and blow_interval(study) else ()
@@ -255,7 +272,12 @@ def coincidence_findings(plan: RoomPlan, study: Study, placed: Placed, basis: Mo
     """Findings on a rated room: its volume, floating floors in its bands, and floor modes that meet its own modes; and
     on any room what one-way coupling leaves out where they do.
 
-    placed : the room. basis : of the structure without the air, damped.
+    Parameters
+    ----------
+    placed : Placed
+        The room.
+    basis : ModalBasis
+        Of the structure without the air, damped.
     """
     pairs = mode_pairs(placed, basis)
     left_out = exchange_findings(plan, pairs) if plan.receivers else ()

@@ -81,7 +81,10 @@ def run_first_impact(response: Response, window: float) -> Response | None:
     """The same scene up to the end of the first impact alone, on a grid that shows its pulses, where that of the run
     need not: it follows those of the largest forces, which come later. None where they do not, or nothing struck.
 
-    window : end of the first impact [s].
+    Parameters
+    ----------
+    window : float
+        End of the first impact [s].
     """
     later = any(one.peak_time > window for one in response.contacts.values())
     if not later or not any(0.0 <= event.t < window for event in closings(response)):
@@ -121,8 +124,11 @@ AT_REST: Final = Before()
 def in_band(values: Floats, sampling: float, band: tuple[float, float], before: Before = AT_REST) -> Floats:
     """Histories [.., nt] between two frequencies: Butterworth, order 4, forwards and backwards; low-pass if one is 0.
 
-    before : what they were before the start; nothing, of a structure at rest. After the end they keep their last value:
-    of what still changes there, give what follows (`continue_after_window`) and leave its end out.
+    Parameters
+    ----------
+    before : Before
+        What they were before the start; nothing, of a structure at rest. After the end they keep their last value: of
+        what still changes there, give what follows (`continue_after_window`) and leave its end out.
 
     Notes
     -----
@@ -131,6 +137,8 @@ def in_band(values: Floats, sampling: float, band: tuple[float, float], before: 
 
     The impulse of 2 N s of a triangle on 1 kg, its acceleration below 50 Hz: dv 2 f (pi/8) / sin(pi/8)
 
+    Examples
+    --------
     >>> t = np.arange(80000) / 400e3
     >>> found = in_band(np.maximum(4000.0 * (1.0 - 1000.0 * t), 0.0), 400e3, (0.0, 50.0))
     >>> round(float(found.max() / (2.0 * 2.0 * 50.0 * (np.pi / 8) / np.sin(np.pi / 8))), 2)
@@ -217,7 +225,12 @@ class Walked(NamedTuple):
 def walk_stresses(places: StressPlaces, shapes: Floats, q: Floats) -> Walked:
     """The equivalent stress of von Mises over time.
 
-    shapes [node, 7, k] : mass-normalised; q [k, nt] : modal coordinates.
+    Parameters
+    ----------
+    shapes : Floats [node, 7, k]
+        Mass-normalised.
+    q : Floats [k, nt]
+        Modal coordinates.
 
     Notes
     -----
@@ -241,7 +254,10 @@ def walk_stresses(places: StressPlaces, shapes: Floats, q: Floats) -> Walked:
 def largest_stress(places: StressPlaces, response: Response, q: Floats) -> tuple[Floats, LargestStress]:
     """The largest equivalent stress anywhere [nt] [Pa], and at every place the largest ever.
 
-    q [k, nt] : the modal coordinates of the response, filtered or not.
+    Parameters
+    ----------
+    q : Floats [k, nt]
+        The modal coordinates of the response, filtered or not.
     """
     found = walk_stresses(places, response.basis.shapes, q)
     times = response.t[found.sample]
@@ -251,7 +267,13 @@ def largest_stress(places: StressPlaces, response: Response, q: Floats) -> tuple
 
 def stress_at_place(places: StressPlaces, place: int, response: Response, q: Floats) -> LargestStress:
     """The largest equivalent stress of one place alone, which counts for the most stressed one, and how well the mesh
-    resolves it there. q [k, nt] : the modal coordinates of the response."""
+    resolves it there.
+
+    Parameters
+    ----------
+    q : Floats [k, nt]
+        The modal coordinates of the response.
+    """
     shapes = response.basis.shapes
     own = von_mises(places.at(place).of(shapes) @ q, places.components)[0]
     sample, largest = int(own.argmax()), np.zeros(len(places.places))
@@ -261,8 +283,15 @@ def stress_at_place(places: StressPlaces, place: int, response: Response, q: Flo
 
 
 def stress_at_rest(places: StressPlaces, displacement: Floats, weight: bool = False) -> LargestStress:
-    """The equivalent stress at every place of a structure at rest. displacement [n_nodes, 7] : of its nodes. weight :
-    whether it weighs."""
+    """The equivalent stress at every place of a structure at rest.
+
+    Parameters
+    ----------
+    displacement : Floats [n_nodes, 7]
+        Of its nodes.
+    weight : bool
+        Whether it weighs.
+    """
     shapes, q = displacement[:, :, None], np.ones((1, 1))
     stresses = places.of(shapes)
     if weight and places.carried is not None:
@@ -281,11 +310,17 @@ def judged(
 ) -> LargestStress:
     """Where a part is stressed most, and how well the mesh resolves it there.
 
-    largest [p] : equivalent stresses [Pa]. amount : how that of the most stressed place follows from the shapes; it is
-    asked of the places beside, too. times [p] : when each was largest [s], 0 where that means nothing.
-
     Bars are judged by the length of their waves alone: moments that are linear along a bar are exact at its ends,
     however steep, and no point of a beam is stressed infinitely.
+
+    Parameters
+    ----------
+    largest : Floats [p]
+        Equivalent stresses [Pa].
+    amount : Amount
+        How that of the most stressed place follows from the shapes; it is asked of the places beside, too.
+    times : Floats | None [p]
+        When each was largest [s], 0 where that means nothing.
     """
     worst = int(largest.argmax())
     next_to = _neighbours(places, worst)
@@ -309,8 +344,13 @@ def _neighbours(places: StressPlaces, place: int) -> Integers:
 
 
 def orthotropic_findings(structure: object, names: Iterable[str]) -> Iterator[Finding]:
-    """Parts of these names whose material has no equivalent stress that tells its strength. structure : with parts, or
-    in closed form."""
+    """Parts of these names whose material has no equivalent stress that tells its strength.
+
+    Parameters
+    ----------
+    structure : object
+        With parts, or in closed form.
+    """
     parts = structure.parts if isinstance(structure, Structure) else ()
     chosen = set(names)
     for part in parts:
@@ -426,7 +466,12 @@ def _without_peaks(
 ) -> dict[str, Channel]:
     """Channels of a motion whose samples do not say what is between them: only contact forces have peaks.
 
-    kept : histories and their units, by channel. stresses : parts by channel.
+    Parameters
+    ----------
+    kept : Mapping[str, tuple[Floats, str]]
+        Histories and their units, by channel.
+    stresses : Mapping[str, str]
+        Parts by channel.
     """
     found = dict(kept)
     for name, part in stresses.items():
@@ -465,7 +510,12 @@ def _peaks_by_modes(
 ) -> _Pairs:
     """Peaks of recorded motions of the modes alone; none where there are no residual vectors.
 
-    first : the first impact by itself, where it is looked at closer. rest : what histories were before the start.
+    Parameters
+    ----------
+    first : Response | None
+        The first impact by itself, where it is looked at closer.
+    rest : Mapping[str, Before]
+        What histories were before the start.
     """
     true = np.array([kind != "residual" for kind in moves.basis.kind])
     found: _Pairs = {}
@@ -695,7 +745,13 @@ def _forces(
     target: str, rows: Mapping[str, ForceRow], response: Response, beside: Mapping[str, Floats]
 ) -> dict[str, tuple[Floats, str]]:
     """The vertical force under the plain name, and the horizontal ones that are more than the rounding of mode shapes
-    beside the largest; beside : what else there is along an axis."""
+    beside the largest.
+
+    Parameters
+    ----------
+    beside : Mapping[str, Floats]
+        What else there is along an axis.
+    """
     found = {axis: _summed(response, row) + transmitted_share(response, row.direct) for axis, row in rows.items()}
     found |= {axis: force + found.get(axis, 0.0) for axis, force in beside.items()}
     largest = max((np.abs(force).max() for force in found.values()), default=0.0)
@@ -864,7 +920,13 @@ def fatigue_findings(study: Study, channels: Mapping[str, Channel]) -> Iterator[
 
 
 def _missed(request: FatigueRequest, channel: Channel, filtered: bool) -> Iterator[Finding]:
-    """Samples that miss the peak of a history; filtered : its peak is another one."""
+    """Samples that miss the peak of a history.
+
+    Parameters
+    ----------
+    filtered : bool
+        Its peak is another one.
+    """
     short = 0.0 if filtered or not channel.whole > 0.0 else 1.0 - float(np.abs(channel.values).max()) / channel.whole
     if short > MISSED:
         slope = request.sn.slope if request.sn is not None else SNLine.slope
@@ -1010,8 +1072,13 @@ def evaluate_histories(
     """The answers, and what is to be known of them; every kind is there, with nothing where nothing is asked.
 
     They see the means of the motion about each sample, not its samples (`femstruct.impact.resampled`).
-    beside : the same impact with less of the residual vectors, where contacts reach beyond the modes. pushes : what
-    blows give by another way; all numbers are in proportion to it.
+
+    Parameters
+    ----------
+    beside : Sequence[LessStatic]
+        The same impact with less of the residual vectors, where contacts reach beyond the modes.
+    pushes : Sequence[OtherImpulse]
+        What blows give by another way; all numbers are in proportion to it.
     """
     found: dict[str, dict[str, Any]] = {key: {} for key in EVALUATIONS}
     findings: list[Finding] = []

@@ -77,7 +77,10 @@ def frequency_response(
     """One frequency response of a study from the modal basis, advice where it is heard in a room, and a finding where
     its lines miss its peak.
 
-    known : the largest value in that band, where it was computed before.
+    Parameters
+    ----------
+    known : Highest | None
+        The largest value in that band, where it was computed before.
     """
     frequency = lines_of(request)
     if request.drive.what == VOLUME_VELOCITY:
@@ -238,9 +241,15 @@ _MOVES: Final = 1e-9  # the share of the motion of a base that is rounding of di
 def vibrations(study: Study, places: Places, basis: ModalBasis) -> tuple[dict[str, Vibrated], list[Finding]]:
     """What came of the excitations of a study, by name, and what is to be known of it.
 
-    basis : with its damping.
+    Parameters
+    ----------
+    basis : ModalBasis
+        With its damping.
 
-    Raises InputError as `excited` does, and for a recorded force that nothing has.
+    Raises
+    ------
+    InputError
+        As `excited` does, and for a recorded force that nothing has.
     """
     found: dict[str, Vibrated] = {}
     findings: list[Finding] = []

@@ -53,14 +53,23 @@ def write_all(
     """Write results.h5, summary.json, a WAV for every receiver and case, one to listen to with all cases in turn, all
     pictures, and report.html with tables, pictures and what to listen to.
 
-    All files take their places together when the last is complete, so that a folder holds those of one run; those of
-    an earlier run that this one does not make are then removed, and nothing else (files.belongings). All sounds of a
-    study have one full scale, so that cases can be compared by ear. pictures : False for numbers, tables, sound alone.
-    keep : a run of other inputs that is in the folder is kept beside it with a number, and keep is told where; None
-    replaces it.
+    All files take their places together when the last is complete, so that a folder holds those of one run; those of an
+    earlier run that this one does not make are then removed, and nothing else (files.belongings). All sounds of a study
+    have one full scale, so that cases can be compared by ear.
 
-    Returns CPU seconds by stage, and sentences, a line each, about pictures that were left out and files that were
-    removed, or kept though they are older ("" for none).
+    Parameters
+    ----------
+    pictures : bool
+        False for numbers, tables, sound alone.
+    keep : Progress | None
+        A run of other inputs that is in the folder is kept beside it with a number, and keep is told where; None
+        replaces it.
+
+    Returns
+    -------
+    tuple[dict[str, float], str]
+        CPU seconds by stage, and sentences, a line each, about pictures that were left out and files that were removed,
+        or kept though they are older ("" for none).
     """
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
@@ -133,8 +142,17 @@ def write_numbers(
 ) -> str:
     """Write summary.json, the sounds, and report.html without pictures: what a person changes a number for.
 
-    Files take their places as those of `write_all` do; keep : likewise. Returns sentences about what was removed or is
-    older.
+    Files take their places as those of `write_all` do.
+
+    Parameters
+    ----------
+    keep : Progress | None
+        Likewise.
+
+    Returns
+    -------
+    str
+        Sentences about what was removed or is older.
     """
     folder.mkdir(parents=True, exist_ok=True)
     clock = Stopwatch(progress)
@@ -155,7 +173,13 @@ def _write_summary(result: StudyResult, folder: Path) -> None:
 def _write(
     result: StudyResult, folder: Path, clock: Stopwatch, pictures: bool, results_file: Callable[[Path], None]
 ) -> str:
-    """All files in their order; a sentence about pictures that were left out. results_file : makes results.h5."""
+    """All files in their order; a sentence about pictures that were left out.
+
+    Parameters
+    ----------
+    results_file : Callable[[Path], None]
+        Makes results.h5.
+    """
     with clock("sound"):
         sounds = _write_sounds(result, folder)
     with clock("results file"):
@@ -281,19 +305,28 @@ class KeptStages:
 def run_study(plan: Plan, progress: Progress = lambda line: None, command: str = "") -> StudyResult:
     """All stages of all cases of a study, and their comparison.
 
-    progress : is told the name of every stage as it starts.
-    command : the command line to be kept with the results.
-
-    Returns a StudyResult; bases are solved once for every distinct model.
-
     Raises what the stages raise: InputError for names and numbers that do not fit the meshed model, NotConverged for
     a result that cannot be had.
+
+    Parameters
+    ----------
+    progress : Progress
+        Is told the name of every stage as it starts.
+    command : str
+        The command line to be kept with the results.
+
+    Returns
+    -------
+    StudyResult
+        A StudyResult; bases are solved once for every distinct model.
 
     Notes
     -----
     A KeyboardInterrupt once the baseline is finished ends the run with the cases finished so far and a severe
     finding.
 
+    Examples
+    --------
     A ball of 1 kg hits a mass of 1 kg on a soft spring and hands over its speed of 1 m/s:
 
     >>> import tempfile
@@ -324,13 +357,21 @@ def run_again(
 ) -> tuple[StudyResult, KeptStages]:
     """A study as `run_study` runs it, with what an earlier run of it, or of another study, has left.
 
-    before : of the last run, `KeptStages()` for none. A basis is taken from it where structure, number of modes and the
-    places that are pushed are the same; a case where nothing differs that it depends on, the baseline's structure and
-    damping among them. Cases of a study that asks for an accuracy are run anew.
+    Parameters
+    ----------
+    before : KeptStages
+        Of the last run, `KeptStages()` for none. A basis is taken from it where structure, number of modes and the
+        places that are pushed are the same; a case where nothing differs that it depends on, the baseline's structure
+        and damping among them. Cases of a study that asks for an accuracy are run anew.
 
-    Returns the result and what it leaves for the next run. The result is that of `run_study`, exactly but in
-    rooms, where another choice of cosines leaves out at most 1e-4 of the pressure.
+    Returns
+    -------
+    tuple[StudyResult, KeptStages]
+        The result and what it leaves for the next run. The result is that of `run_study`, exactly but in rooms, where
+        another choice of cosines leaves out at most 1e-4 of the pressure.
 
+    Examples
+    --------
     One number of a study changes; its basis does not:
 
     >>> import tempfile
@@ -394,9 +435,17 @@ def run_again(
 def run_cases(plan: Plan, before: Sequence[Solved] = ()) -> tuple[dict[str, CaseResult], tuple[Solved, ...]]:
     """The cases of a study as `run_study` has them, without their comparison, for who runs many studies.
 
-    before : bases of other studies, taken where they are of the same structure, as many modes and the same places.
+    Raises as `run_study` does.
 
-    Returns the cases by name, and their bases. Raises as `run_study` does.
+    Parameters
+    ----------
+    before : Sequence[Solved]
+        Bases of other studies, taken where they are of the same structure, as many modes and the same places.
+
+    Returns
+    -------
+    tuple[dict[str, CaseResult], tuple[Solved, ...]]
+        The cases by name, and their bases.
     """
     clock = Stopwatch(lambda line: None)
     solved, checks = _solved(plan, before, clock)

@@ -211,10 +211,16 @@ def names_of(paths: Sequence[str | Path]) -> list[str]:
 def combine_runs(runs: Mapping[str, StudyResult], command: str = "") -> StudyResult:
     """Several runs as one, the baseline of the first being that of all.
 
-    runs : by name, two or more. Cases are named "RUN: CASE", those of a run with one case "RUN".
+    Parameters
+    ----------
+    runs : Mapping[str, StudyResult]
+        By name, two or more. Cases are named "RUN: CASE", those of a run with one case "RUN".
 
-    Returns a result as of one study with all cases, and what differs in the input files; what is not compared is as it
-    was in each run.
+    Returns
+    -------
+    StudyResult
+        A result as of one study with all cases, and what differs in the input files; what is not compared is as it was
+        in each run.
     """
     named = {(run, case): _named(run, case, result) for run, result in runs.items() for case in result.cases}
     first, reference = next(iter(runs.items()))

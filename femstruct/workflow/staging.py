@@ -47,10 +47,16 @@ HORIZONTAL = np.cos(np.radians(45.0))
 def build_scene(study: Study, places: Places, basis: ModalBasis | None = None) -> Scene:
     """Bodies, contacts, links and loads of a study between probes.
 
-    basis : for start velocities of the structure, and to see that what is hit can move.
+    Parameters
+    ----------
+    basis : ModalBasis | None
+        For start velocities of the structure, and to see that what is hit can move.
 
-    Raises InputError when a place is missing or ambiguous, when it cannot be told which end of a contact is above,
-    or when gravity leaves a body without a state of rest.
+    Raises
+    ------
+    InputError
+        When a place is missing or ambiguous, when it cannot be told which end of a contact is above, or when gravity
+        leaves a body without a state of rest.
 
     Notes
     -----
@@ -389,9 +395,17 @@ def sound_of_bodies(
 ) -> OwnSound:
     """The own sound of striking bodies in open air, and the total with that of the structure, by room.
 
-    rooms : of the structure, which end where its modes do; whole : the same before.
+    Parameters
+    ----------
+    rooms : Mapping[str, RoomResponse]
+        Of the structure, which end where its modes do.
+    whole : Mapping[str, RoomResponse]
+        The same before.
 
-    Raises InputError as `spheres_before` does.
+    Raises
+    ------
+    InputError
+        As `spheres_before` does.
     """
     sounds = {plan.name: _own_sound(plan, study, places, response) for plan in study.rooms if plan.name in rooms}
     own = {name: one for name, one in sounds.items() if one is not None}

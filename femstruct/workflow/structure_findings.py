@@ -133,10 +133,15 @@ PERIODS = 10.0  # of the lowest such mode in the window: with a ratio of 1 % its
 def undamped_motion(studies: Sequence[Study], basis: ModalBasis) -> tuple[Finding, ...]:
     """A finding where modes without damping ring through the window of a simulation.
 
-    studies : of one case; they differ by what is struck. basis : with its damping.
-
     Severe: all modes are so, and a room hears them with air that does not react on the structure. Not of closed forms
     and given modes, whose damping is part of what they are given as.
+
+    Parameters
+    ----------
+    studies : Sequence[Study]
+        Of one case; they differ by what is struck.
+    basis : ModalBasis
+        With its damping.
     """
     study = studies[0] if studies else None
     if study is None or study.time is None or not isinstance(study.structure, Structure):
@@ -183,10 +188,15 @@ def _advice(study: Study, basis: ModalBasis) -> str:
 def unsupported_findings(model: Model, joined: Iterable[tuple[str, str]], studies: Sequence[Study]) -> list[Finding]:
     """A finding for every free piece whose surface moves the air of a closed room.
 
-    joined : pairs of points that contacts and links of the studies hold together. studies : of one case.
-
     Severe: the room is rated. Not under gravity, where `nothing-carries-weight` is said of it, and not of the half
     space, where free plates and machines are measured.
+
+    Parameters
+    ----------
+    joined : Iterable[tuple[str, str]]
+        Pairs of points that contacts and links of the studies hold together.
+    studies : Sequence[Study]
+        Of one case.
     """
     study = next((one for one in studies if one.time is not None and not one.time.gravity), None)
     rooms = [plan for plan in study.rooms if plan.room.open_air is None] if study is not None else []
@@ -225,8 +235,12 @@ def structure_findings(
 ) -> tuple[Finding, ...]:
     """All that can be said of a structure and its modes, by rank.
 
-    basis : with its damping. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as
-    far as the modes are complete.
+    Parameters
+    ----------
+    basis : ModalBasis
+        With its damping.
+    up_to_hz : float | None
+        The highest frequency that is looked at [Hz]; without it the mesh is judged as far as the modes are complete.
     """
     return rank_findings(
         (
@@ -245,9 +259,17 @@ def structure_findings_before(
 ) -> tuple[Finding, ...]:
     """All that can be said of a structure without its modes, by rank.
 
-    structure, model : what is described, and its mesh; None in closed form. studies : what happens to it, for what they
-    join (contacts, links), for gravity, and for their bodies. up_to_hz : the highest frequency asked for [Hz]; without
-    it meshes and plates joined at an angle are not judged, since that takes a frequency.
+    Parameters
+    ----------
+    structure : StructureModel
+        What is described, and its mesh; None in closed form.
+    model : Model | None
+        What is described, and its mesh; None in closed form.
+    studies : Sequence[Study]
+        What happens to it, for what they join (contacts, links), for gravity, and for their bodies.
+    up_to_hz : float | None
+        The highest frequency asked for [Hz]; without it meshes and plates joined at an angle are not judged, since that
+        takes a frequency.
 
     Notes
     -----
@@ -295,10 +317,13 @@ def structure_findings_after(
     studies: Sequence[Study] = (),
     up_to_hz: float | None = None,
 ) -> tuple[Finding, ...]:
-    """What the modes of a structure show of it, by rank: their own findings, whether the mesh carries them, and whether
-    parts slide or turn on each other.
+    """What the modes of a structure show of it, by rank: their own findings, whether the mesh carries them, and
+    whether parts slide or turn on each other.
 
-    up_to_hz : the highest frequency that is looked at [Hz]; without it that to which the modes are complete.
+    Parameters
+    ----------
+    up_to_hz : float | None
+        The highest frequency that is looked at [Hz]; without it that to which the modes are complete.
     """
     found = list(basis.findings)
     if model is None:

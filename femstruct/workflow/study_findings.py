@@ -99,7 +99,10 @@ _FAST_HZ: Final = 1e6  # a sampling that has all bands
 def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tuple[Finding, ...]:
     """A finding where modes that are complete below a frequency leave rated bands of a room blank.
 
-    complete_below_hz : of the floor; a room of any shape has modes of its own that end.
+    Parameters
+    ----------
+    complete_below_hz : float
+        Of the floor; a room of any shape has modes of its own that end.
     """
     method = method_for(plan, study)
     if method is None:
@@ -169,8 +172,11 @@ def blanks_before(cases: Sequence[Case], solved: Mapping[str, float] = _SOLVED) 
     """What the modes that cases ask for will leave blank of the rated bands of their rooms, by room; each once, with
     the smallest cell that any of its cases needs.
 
-    solved : what the modes of cases are complete to [Hz], by case, where that is known; of others it is what they ask
-        for, and nothing is told of a number of modes.
+    Parameters
+    ----------
+    solved : Mapping[str, float]
+        What the modes of cases are complete to [Hz], by case, where that is known; of others it is what they ask for,
+        and nothing is told of a number of modes.
     """
     found: dict[tuple[str, str], tuple[list[str], Finding]] = {}
     for case in cases:
@@ -301,9 +307,16 @@ def all_findings(
 ) -> tuple[Finding, ...]:
     """All that can be said of a structure and its modes, by rank.
 
-    basis : with its damping. studies : of one case; they excite it alike. requests : frequency responses that are asked
-    of it. up_to_hz : the highest frequency that is looked at [Hz]; without it the mesh is judged as far as the modes
-    are complete.
+    Parameters
+    ----------
+    basis : ModalBasis
+        With its damping.
+    studies : Sequence[Study]
+        Of one case; they excite it alike.
+    requests : Sequence[FrfRequest]
+        Frequency responses that are asked of it.
+    up_to_hz : float | None
+        The highest frequency that is looked at [Hz]; without it the mesh is judged as far as the modes are complete.
     """
     return rank_findings(
         (

@@ -387,7 +387,13 @@ class Trials:
         return Moded(structure, damping, solved.places, solved.model, None, solved.basis, solved)
 
     def _run(self, plan: Plan, estimated: bool) -> CaseResult:
-        """The baseline of a study, run. estimated : whether the error of its march is, by a second simulation."""
+        """The baseline of a study, run.
+
+        Parameters
+        ----------
+        estimated : bool
+            Whether the error of its march is, by a second simulation.
+        """
         plan = plan if self.needs.rooms else without_rooms(plan)
         case = next(one for one in plan.cases if one.name == plan.baseline)
         key = key_of(case.study)

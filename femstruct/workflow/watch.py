@@ -51,8 +51,13 @@ def rounds(
     Numbers, tables and sound are written to the folder at every round, no results.h5 and no pictures. A file that
     cannot be read, or a result that cannot be had, is a round with an error: what was kept stays, and the watch goes
     on.
-    wait : called between two looks at the files; False ends the watch. keep : as for `write_all`, of what is in the
-    folder before the first round; a round replaces the one before.
+
+    Parameters
+    ----------
+    wait : Callable[[], bool]
+        Called between two looks at the files; False ends the watch.
+    keep : Progress | None
+        As for `write_all`, of what is in the folder before the first round; a round replaces the one before.
     """
     kept = KeptStages()
     files: tuple[Path, ...] = (study,)

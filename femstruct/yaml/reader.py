@@ -314,11 +314,19 @@ _WORDS: Final = {
 def read_yaml(path: str | Path, asked_at: Position | None = None, asked_path: str = "") -> Tree:
     """A YAML 1.2 file as a tree with positions.
 
-    asked_at, asked_path : where another file names this one, for the message when it cannot be opened.
+    Parameters
+    ----------
+    asked_at : Position | None
+        Where another file names this one, for the message when it cannot be opened.
+    asked_path : str
+        Where another file names this one, for the message when it cannot be opened.
 
-    Raises InputErrors, one line ``file:line:column: got, expected; do`` a mistake: a missing file (with the nearest
-    name), a folder, binary data, an empty file, broken YAML, duplicate keys, tags, too many or circular aliases, a
-    file that is too large.
+    Raises
+    ------
+    InputErrors
+        One line ``file:line:column: got, expected; do`` a mistake: a missing file (with the nearest name), a folder,
+        binary data, an empty file, broken YAML, duplicate keys, tags, too many or circular aliases, a file that is too
+        large.
     """
     mistakes, file = Mistakes(), str(path)
     text = _read_text(Path(path), asked_at or Position(file, 1, 1), asked_path)
@@ -416,7 +424,13 @@ def _compose(text: str, file: str) -> Node:
 
 
 def _to_mend(error: MarkedYAMLError, quoted: bool, text: str) -> str:
-    """What to do about broken YAML. quoted : whether a quote is not closed."""
+    """What to do about broken YAML.
+
+    Parameters
+    ----------
+    quoted : bool
+        Whether a quote is not closed.
+    """
     if quoted:
         return "close the quote that begins here"
     if error.context_mark is not None and "flow" in str(error.context):

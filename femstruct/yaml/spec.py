@@ -63,7 +63,13 @@ class Spec(BaseModel):
         return {dict(self.called).get(key, key): value for key, value in nouns.items()}
 
     def noun(self, **others: Any) -> Any:
-        """The noun it describes; others : what the keys do not say, or not in the noun's words."""
+        """The noun it describes.
+
+        Parameters
+        ----------
+        others : Any
+            What the keys do not say, or not in the noun's words.
+        """
         return type(self).makes(**{**self.given(), **others})
 
     @classmethod
@@ -156,7 +162,12 @@ def read_by(reader: Callable[..., object], written: Any) -> BeforeValidator:
 def only(words: Sequence[str], expected: str = "", do: str = "") -> Callable[[object], object]:
     """Validator of a field that takes some words; others are refused with the nearest.
 
-    expected : in place of all words. do : what to do where none is near.
+    Parameters
+    ----------
+    expected : str
+        In place of all words.
+    do : str
+        What to do where none is near.
     """
 
     def read(value: object) -> object:
@@ -195,7 +206,12 @@ def so_many(
 ) -> Callable[[object], object]:
     """Reader of a list of one of these numbers of values, as a tuple.
 
-    many : what the values are, to tell how many there were. or_one : whether one may stand without a list.
+    Parameters
+    ----------
+    many : str
+        What the values are, to tell how many there were.
+    or_one : bool
+        Whether one may stand without a list.
     """
 
     def reader(value: object) -> object:
@@ -306,8 +322,13 @@ def _words(kind: type[BaseModel]) -> tuple[str, ...]:
 def spec_of(noun: type, word: str, base: type[Spec]) -> Any:
     """The mapping of the language that a noun declares: a key for each thing that it is given, with its quantity.
 
-    word : its `type`, "" where another key says its kind. base : what all kinds of it have, and the keys that are
-    written in another form than they are given to the noun. Its `name` is the key of the mapping itself.
+    Parameters
+    ----------
+    word : str
+        Its `type`, "" where another key says its kind.
+    base : type[Spec]
+        What all kinds of it have, and the keys that are written in another form than they are given to the noun. Its
+        `name` is the key of the mapping itself.
     """
     first, *_ = (noun.__doc__ or "").split("\n\n")
     said = {name: one for name, one in declared(noun).items() if one.key.name is not None and name != "name"}

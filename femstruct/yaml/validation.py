@@ -26,7 +26,10 @@ def validate(
 ) -> S | None:
     """The mapping as its schema; None, and every mistake noted with its position, when it does not fit.
 
-    sources : is given the texts of the tables that the mapping names, by their names.
+    Parameters
+    ----------
+    sources : dict[str, str] | None
+        Is given the texts of the tables that the mapping names, by their names.
     """
     try:
         return schema.model_validate(value, context=Opened(tree.file, {} if sources is None else sources))
