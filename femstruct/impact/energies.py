@@ -52,7 +52,7 @@ def fill_ledger_row(t: float, system: System, state: State, place: Floats, lost:
     brought and what coupled modes were given. Returns the total: stored and dissipated less the work and the blows.
 
     Of coupled modes the row has what they were given, stored and lost together, until `part_energies` or
-    `femstruct.impact.engine.modal_energies` parts it."""
+    `modal_energies` parts it."""
     k, n, m = system.n_modes, len(system.omega), len(system.interfaces)
     structure = 0.0
     if len(system.turn):
