@@ -306,7 +306,11 @@ STRUCTURE: Final = (
         "Check the units, or replace the heavy part by a support.",
         (
             Threshold(
-                1e6, "times the mass of the rest", "such a mass acts as ground", CHOSEN, "connection_findings.DOMINATES"
+                1e6,
+                "times the mass of the rest",
+                "such a mass acts as ground",
+                CHOSEN,
+                "arrangement_findings.DOMINATES",
             ),
         ),
     ),
@@ -319,14 +323,14 @@ STRUCTURE: Final = (
         "Move one part. The origin of a plate is on its mid-surface.",
         (
             Threshold(
-                0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "connection_findings.REACHES"
+                0.01, "% of the thinner part", "less is a rounded dimension", CHOSEN, "arrangement_findings.REACHES"
             ),
             Threshold(
                 0.5,
                 "of the thinner part",
                 "most of it counts twice",
                 CHOSEN,
-                "connection_findings.INSIDE",
+                "arrangement_findings.INSIDE",
                 forbids=True,
             ),
         ),
@@ -353,7 +357,7 @@ STRUCTURE: Final = (
         REMARK,
         "a layer 'whole' fills less than the whole side of the smaller part",
         "Check the positions of both parts.",
-        (Threshold(0.999, "of the side", "less is more than rounding", CHOSEN, "connection_findings.WHOLE"),),
+        (Threshold(0.999, "of the side", "less is more than rounding", CHOSEN, "arrangement_findings.WHOLE"),),
     ),
     Entry(
         "eccentric-bars",

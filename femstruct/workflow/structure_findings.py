@@ -20,7 +20,7 @@ from femstruct.model.materials import Material, loss_at
 from femstruct.model.model import Model
 from femstruct.model.structure import AirBetween, Bays, Structure
 from femstruct.model.unused import unused_findings
-from femstruct.parts.connection_findings import arrangement_findings, duplicate_findings, overhang_findings
+from femstruct.parts.arrangement_findings import arrangement_findings, duplicate_findings, overhang_findings
 from femstruct.parts.joint_findings import (
     far_spring_findings,
     joint_open_findings,

@@ -17,7 +17,7 @@ from femstruct.language.models import read_model
 from femstruct.model.imported_mesh import ImportedMesh
 from femstruct.model.model import Model
 from femstruct.model.sections import rectangle
-from femstruct.parts.connection_findings import arrangement_findings
+from femstruct.parts.arrangement_findings import arrangement_findings
 from femstruct.parts.joint_findings import joined_over, joint_open_findings, joint_spring_findings
 
 WOOD = fs.Material("wood", E=11e9, nu=0.3, rho=450.0)

@@ -14,8 +14,8 @@ from femstruct.model.part import Part
 from femstruct.model.regions import Region
 from femstruct.model.sections import Section, rectangle
 from femstruct.model.structure import Joint, PlaceOn, Structure, Support
+from femstruct.parts.arrangement_findings import arrangement_findings, duplicate_findings
 from femstruct.parts.block import Block
-from femstruct.parts.connection_findings import arrangement_findings, duplicate_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.inertia import Inertia

@@ -19,8 +19,8 @@ from femstruct.model.part import Part
 from femstruct.model.regions import Region
 from femstruct.model.sections import Section, circle, rectangle, tube
 from femstruct.model.structure import PlaceOn, Structure, Support
+from femstruct.parts.arrangement_findings import overhang_findings
 from femstruct.parts.block import Block
-from femstruct.parts.connection_findings import overhang_findings
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.frame import Frame
 from femstruct.parts.plate import Plate
