@@ -13,8 +13,8 @@ import sys
 import types
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, InitVar
-from functools import cache
-from inspect import get_annotations
+from functools import cache, wraps
+from inspect import get_annotations, unwrap
 from typing import Annotated, Any, ClassVar, Final, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
 
 import numpy as np
@@ -79,8 +79,8 @@ class Declared(NamedTuple):
     key: Key
 
 
-UNTOLD: Final[Any] = None
-"""Default of what follows from other fields, or what a file tells elsewhere: where it does not, the noun refuses it."""
+NOT_GIVEN: Final[Any] = None
+"""Default of what follows from other fields, or what a file states elsewhere: where neither does, it is refused."""
 
 
 def checked(group: str, **expected: str) -> Callable[[type[T]], type[T]]:
@@ -120,20 +120,21 @@ def checked(group: str, **expected: str) -> Callable[[type[T]], type[T]]:
     """
 
     def decorate(kind: type[T]) -> type[T]:
-        found: Any = getattr(kind, "__post_init__", None)
-        further: Callable[..., None] | None = getattr(found, "further", found)  # of a base that is compared as well
+        found: Any = getattr(kind, "__post_init__", _nothing_further)
+        further = unwrap(found)  # that of a base which is compared as well, without its comparison
 
+        @wraps(further)
         def compared(self: Any, *beside: Any) -> None:
-            kept = _compare(self, group, expected, beside)
-            if further is not None:
-                further(self, *kept)
-
-        compared.further = further  # type: ignore[attr-defined]  # for classes that extend it
+            further(self, *_compare(self, group, expected, beside))
 
         kind.__post_init__ = compared  # type: ignore[attr-defined]  # dataclass calls it
         return kind
 
     return decorate
+
+
+def _nothing_further(self: object, *beside: object) -> None:
+    """What is done after the comparison of a noun that has no more to do."""
 
 
 def expect(where: str, value: Any, kind: Any, do: str = "") -> Any:
@@ -239,12 +240,12 @@ def refuse_together(noun: Any, given: Mapping[str, object]) -> None:
 
 def exactly_one(given: Mapping[str, object], names: Sequence[str], or_none: bool = False) -> None:
     """Refuse a mapping with several of these keys, or with none of them; a key without a value is not given."""
-    told = [name for name in names if given.get(name) is not None]
-    if len(told) > 1 or not (told or or_none):
+    present = [name for name in names if given.get(name) is not None]
+    if len(present) > 1 or not (present or or_none):
         raise refuse(
-            f"both {' and '.join(told)}" if told else f"none of {', '.join(names)}",
+            f"both {' and '.join(present)}" if present else f"none of {', '.join(names)}",
             f"exactly one of {', '.join(names)}",
-            "remove all but one" if told else "add one",
+            "remove all but one" if present else "add one",
         )
 
 
@@ -278,9 +279,9 @@ def declared(noun: Any) -> dict[str, Declared]:
 
 
 def _declared(annotation: Any, default: Any, stays: bool) -> Declared:
-    told = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
-    key = next((one for one in told if isinstance(one, Key)), Key())
-    quantity = next((one for one in told if isinstance(one, Quantity | PowerStiffness)), None)
+    metadata = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
+    key = next((one for one in metadata if isinstance(one, Key)), Key())
+    quantity = next((one for one in metadata if isinstance(one, Quantity | PowerStiffness)), None)
     return Declared(annotation, default, stays, _kind(annotation), quantity, key)
 
 
@@ -367,7 +368,7 @@ def _quantity(quantity: Quantity) -> _Kind:
         quantity.refuse_beyond(float(value), value, DIMENSIONS[quantity.dimensions[0]])
         return value
 
-    return _Kind(quantity.told, f"values, each {quantity.told}", kept)
+    return _Kind(quantity.description, f"values, each {quantity.description}", kept)
 
 
 def _power(stiffness: PowerStiffness) -> _Kind:

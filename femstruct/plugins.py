@@ -19,19 +19,19 @@ class Added(NamedTuple):
     source: str
 
 
-def added_kinds(group: str, base: type, was: str = "") -> tuple[Added, ...]:
+def added_kinds(group: str, base: type, former: str = "") -> tuple[Added, ...]:
     """The classes that installed packages add to a group of entry points, by name.
 
     Parameters
     ----------
-    was : str
-        A group that this one stands for as well: what it had to say, the classes declare now.
+    former : str
+        A group that this one has replaced: what was declared there, the classes themselves declare now.
 
     Raises
     ------
     FemstructError
         With the name of the package, for one that cannot be loaded or is no complete `base`, and for what is in the
-        group that was.
+        former group.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def added_kinds(group: str, base: type, was: str = "") -> tuple[Added, ...]:
     ()
     """
     # importlib.metadata.entry_points parses the files of all packages, which takes ten times as long.
-    heads = [f"[{one}]" for one in (group, was) if one]
+    heads = [f"[{one}]" for one in (group, former) if one]
     texts = [(one, one.read_text("entry_points.txt") or "") for one in distributions()]
     packages = [one for one, text in texts if any(head in text for head in heads)]
     first_on_path = {package.name: package for package in reversed(packages)}
@@ -47,12 +47,12 @@ def added_kinds(group: str, base: type, was: str = "") -> tuple[Added, ...]:
         (entry, f"package {package.name} {package.version}, entry point {entry.name} = {entry.value}")
         for package in first_on_path.values()
         for entry in package.entry_points
-        if entry.group in (group, was)
+        if entry.group in (group, former)
     ]
     for entry, source in found:
-        if was and entry.group == was:
-            do = f"annotate its fields with their quantities, and leave '{entry.name}' out of {was}"
-            raise FemstructError(source, got=f"the group {was}", expected=f"one class, in the group {group}", do=do)
+        if former and entry.group == former:
+            do = f"annotate its fields with their quantities, and leave '{entry.name}' out of {former}"
+            raise FemstructError(source, got=f"the group {former}", expected=f"one class, in the group {group}", do=do)
     return tuple(_loaded(entry, source, base) for entry, source in sorted(found, key=lambda one: one[0].name))
 
 
@@ -71,15 +71,19 @@ def with_added(own: Sequence[Any], added: Iterable[Added], words: Callable[[Any]
     """
     taken = {word: one for one in own for word in words(one)}
     for kind, source in added:
-        told = words(kind)
-        if not told or told[0] in taken:
+        own_words = words(kind)
+        if not own_words or own_words[0] in taken:
             raise FemstructError(
                 source,
-                got=(f"type: {', '.join(told)}, taken by {taken[told[0]].__module__}" if told else "no type"),
+                got=(
+                    f"type: {', '.join(own_words)}, taken by {taken[own_words[0]].__module__}"
+                    if own_words
+                    else "no type"
+                ),
                 expected='a word of its own, type: Literal["word"]',
                 do=MEND,
             )
-        taken |= dict.fromkeys(told, kind)
+        taken |= dict.fromkeys(own_words, kind)
     return tuple(dict.fromkeys((*own, *taken.values())))
 
 

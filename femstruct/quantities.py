@@ -102,7 +102,7 @@ class Quantity:
         return DIMENSIONS[self.dimensions[0]].unit.replace("*", " ").removesuffix("1")
 
     @property
-    def told(self) -> str:
+    def description(self) -> str:
         """What it is, with its unit: a length [m]."""
         return " or ".join(f"{DIMENSIONS[name].words} [{DIMENSIONS[name].unit}]" for name in self.dimensions)
 
@@ -115,7 +115,7 @@ class Quantity:
         example = DIMENSIONS[self.dimensions[0]].example
         return {
             "anyOf": [{"type": "number"}, {"type": "string", "pattern": _PATTERN}],
-            "description": f"{self.told}; a plain number is in SI units",
+            "description": f"{self.description}; a plain number is in SI units",
             "examples": [example],
         }
 

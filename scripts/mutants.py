@@ -110,8 +110,6 @@ def _spans_without_numbers(source: str) -> list[tuple[tuple[int, int], tuple[int
             found = [*node.decorator_list, *(each.annotation for each in node.body if isinstance(each, ast.AnnAssign))]
         elif isinstance(node, ast.AnnAssign):
             found = [node.annotation]
-        elif isinstance(node, ast.keyword) and node.arg == "strict":
-            found = [node.value]
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
             found = [node]
         elif isinstance(node, ast.keyword) and node.arg == "strict":  # of zip: sequences of one length by design
@@ -161,6 +159,17 @@ def drawn(count: int, seed: int, subjects: Sequence[str]) -> list[Mutant]:
     return chosen
 
 
+def _environment(tree: Path, options: argparse.Namespace) -> dict[str, str]:
+    """Of a process that runs a tree; kernels that a mutant leaves alone are shared."""
+    kept = str(options.output.resolve() / "kernels")
+    return {
+        **os.environ,
+        "PYTHONPATH": f"{tree}:{tree / 'scripts'}",
+        "OMP_NUM_THREADS": "1",
+        "FEMSTRUCT_CACHE": kept,
+    }
+
+
 def _checked(
     tree: Path, faults: Path, options: argparse.Namespace, names: Sequence[str] = (), words: Sequence[str] = ()
 ) -> tuple[str, list[str]]:
@@ -169,13 +178,11 @@ def _checked(
     command = [sys.executable, "scripts/verify.py", "--limit", "60", "--seed", str(options.checks_seed)]
     command += ["--verdicts", str(options.output.resolve() / "verdicts.json"), "-o", str(faults)]
     command += [part for name in names for part in ("--named", name)] + list(words)
-    env = {"PYTHONPATH": f"{tree}:{tree / 'scripts'}", "OMP_NUM_THREADS": "1"}
-    env["FEMSTRUCT_CACHE"] = str(options.output.resolve() / "kernels")  # those that a mutant leaves alone are shared
     try:
         ended = subprocess.run(
             command,
             cwd=tree,
-            env={**os.environ, **env},
+            env=_environment(tree, options),
             capture_output=True,
             text=True,
             timeout=3 * options.seconds + 120 if names else None,
@@ -195,10 +202,8 @@ def _unchanged_differs(lines: Sequence[str], options: argparse.Namespace) -> boo
         with TemporaryDirectory() as folder:
             kept = Path(folder) / "verdicts.json"
             words = ["--named", name, "--only", index, "--limit", "60", "--seed", str(options.checks_seed)]
-            env = {"PYTHONPATH": f"{TOP}:{TOP / 'scripts'}", "OMP_NUM_THREADS": "1"}
-            env["FEMSTRUCT_CACHE"] = str(options.output.resolve() / "kernels")
             command = [sys.executable, "scripts/verify.py", *words, "--verdicts", str(kept)]
-            subprocess.run(command, cwd=TOP, env={**os.environ, **env}, capture_output=True, check=False)
+            subprocess.run(command, cwd=TOP, env=_environment(TOP, options), capture_output=True, check=False)
             if not kept.exists() or json.loads(kept.read_text(encoding="utf-8")).get(f"{name} {index}") != verdict:
                 return True
     return not differing
@@ -298,8 +303,8 @@ def main() -> int:
         return 0
     options.output.mkdir(parents=True, exist_ok=True)
     (options.output / "verdicts.json").unlink(missing_ok=True)
-    env = {**os.environ, "PYTHONPATH": str(TOP), "FEMSTRUCT_CACHE": str(options.output.resolve() / "kernels")}
-    subprocess.run([sys.executable, "-m", "femstruct", "warm-up"], cwd=TOP, env=env, check=True, capture_output=True)
+    warm_up = [sys.executable, "-m", "femstruct", "warm-up"]
+    subprocess.run(warm_up, cwd=TOP, env=_environment(TOP, options), check=True, capture_output=True)
     words = ["--workers", str(options.workers), "--seconds", "900", "--count", str(options.checks)]
     words += ["--reached", str(options.output.resolve() / "reached.json")]
     word, lines = _checked(TOP, options.output / "unchanged", options, words=words)

@@ -42,9 +42,7 @@ def reverberation_time(p: Floats, dt: float, *, top_db: float = -5.0, bottom_db:
 
     Parameters
     ----------
-    top_db : float
-        Part of the decay that a line is fitted to: -5 to -35 dB is T30 of ISO 3382-1, -5 to -25 T20.
-    bottom_db : float
+    top_db, bottom_db : float
         Part of the decay that a line is fitted to: -5 to -35 dB is T30 of ISO 3382-1, -5 to -25 T20.
 
     Raises

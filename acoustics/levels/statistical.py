@@ -385,7 +385,7 @@ def steady_levels(plate: RadiatingPlate, room: DiffuseRoom, force_squared: Mappi
     Parameters
     ----------
     force_squared : Mapping[float, float]
-        Of a force that acts on the plate, as of a tapping machine whose blows are uncorrelated, `blow_forces`, or a
+        Of a force that acts on the plate, as of a tapping machine whose blows are uncorrelated, or a
         measured blocked force.
 
     Raises
@@ -598,11 +598,7 @@ def expected_scatter(modes: Floats, width_hz: Floats, t60_s: Floats, drops: int,
 
     Parameters
     ----------
-    modes : Floats [n]
-        Of the plate in each band, the band's width, the room's reverberation time.
-    width_hz : Floats [n]
-        Of the plate in each band, the band's width, the room's reverberation time.
-    t60_s : Floats [n]
+    modes, width_hz, t60_s : Floats [n]
         Of the plate in each band, the band's width, the room's reverberation time.
 
     Notes

@@ -177,11 +177,7 @@ def radiated_power(
 
     Parameters
     ----------
-    points : Floats [p, 3]
-        As of a `SurfaceVelocity` [m], [m^2].
-    weights : Floats [p]
-        As of a `SurfaceVelocity` [m], [m^2].
-    shapes : Floats [p, k]
+    points, weights, shapes : Floats [p, 3], Floats [p], Floats [p, k]
         As of a `SurfaceVelocity` [m], [m^2].
     rates : Complexes [k, nf]
         Complex velocities (peak values) of the modal coordinates; shapes times rates is m/s.
@@ -394,17 +390,9 @@ def radiation_pattern(
 
     Parameters
     ----------
-    points : Floats [p, 3]
+    points, weights, shapes, rates : Floats [p, 3], Floats [p], Floats [p, k], Complexes [k, nf]
         As of `acoustics.radiated_power`.
-    weights : Floats [p]
-        As of `acoustics.radiated_power`.
-    shapes : Floats [p, k]
-        As of `acoustics.radiated_power`.
-    rates : Complexes [k, nf]
-        As of `acoustics.radiated_power`.
-    normal : Floats [3]
-        Unit vectors into the air and along the surface's two sides.
-    along : Floats [2, 3]
+    normal, along : Floats [3], Floats [2, 3]
         Unit vectors into the air and along the surface's two sides.
 
     Notes

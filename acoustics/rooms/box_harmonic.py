@@ -158,9 +158,7 @@ def pressure_map(
     ----------
     frequencies_hz : Sequence[float] | Floats
         [nf], above 0 [Hz].
-    normal : str
-        The plane x, y or z = `at` [m].
-    at : float
+    normal, at : str, float
         The plane x, y or z = `at` [m].
     divisions : tuple[int, int]
         Intervals along the two other axes.

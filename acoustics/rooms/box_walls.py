@@ -282,10 +282,7 @@ def coupled_walls(room: Box, surface: SurfaceShapes, up_to_hz: float, most: int 
 
     Parameters
     ----------
-    up_to_hz : float
-        Cavity modes up to it are kept [Hz], at most so many, and none finer than the points resolve along any wall; the
-        others act as added mass.
-    most : int
+    up_to_hz, most : float, int
         Cavity modes up to it are kept [Hz], at most so many, and none finer than the points resolve along any wall; the
         others act as added mass.
 

@@ -387,10 +387,7 @@ def cavity_air(cavity: Cavity, first: SurfaceShapes, second: SurfaceShapes, up_t
 
     Parameters
     ----------
-    first : SurfaceShapes
-        At z = depth and z = 0, points in the cavity's own x and y; displacements into the cavity [p, k] in the same k
-        coordinates.
-    second : SurfaceShapes
+    first, second : SurfaceShapes
         At z = depth and z = 0, points in the cavity's own x and y; displacements into the cavity [p, k] in the same k
         coordinates.
 

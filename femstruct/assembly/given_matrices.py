@@ -34,15 +34,10 @@ def given_matrices(
 
     Parameters
     ----------
-    M : Any [n, n]
+    M, K : Any [n, n]
         Mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m, N s/m];
         supports are already taken out of them.
-    K : Any [n, n]
-        Mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m, N s/m];
-        supports are already taken out of them.
-    nodes : ArrayLike [n]
-        Which node and which of its components (`femstruct.conventions`: UX .. RZ) each degree of freedom is.
-    components : ArrayLike [n]
+    nodes, components : ArrayLike [n]
         Which node and which of its components (`femstruct.conventions`: UX .. RZ) each degree of freedom is.
     points : ArrayLike [n_nodes, 3]
         Where the nodes are [m].

@@ -97,11 +97,7 @@ def pareto_front(
 
     Parameters
     ----------
-    folder : str | Path | None
-        As for `femstruct.sweep`; rows that are kept there are not run again.
-    workers : int | None
-        As for `femstruct.sweep`; rows that are kept there are not run again.
-    cluster : str
+    folder, workers, cluster : str | Path | None, int | None, str
         As for `femstruct.sweep`; rows that are kept there are not run again.
 
     Raises

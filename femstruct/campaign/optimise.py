@@ -230,11 +230,7 @@ def optimise(
 
     Parameters
     ----------
-    folder : str | Path | None
-        As for `femstruct.sweep`; rows that are kept there are not run again.
-    workers : int | None
-        As for `femstruct.sweep`; rows that are kept there are not run again.
-    cluster : str
+    folder, workers, cluster : str | Path | None, int | None, str
         As for `femstruct.sweep`; rows that are kept there are not run again.
     seen : Swept | None
         A sweep over the same paths, of which the search begins with the best designs, those that lie apart.

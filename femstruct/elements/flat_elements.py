@@ -321,9 +321,7 @@ def in_plane_inertia(products: Floats, of_sides: Floats, m0: Floats, m2: Floats)
         Integrals of products of shape functions [m^2].
     of_sides : Floats
         `side_displacements`.
-    m0 : Floats [n]
-        Mass [kg/m^2] and rotary inertia [kg] per area.
-    m2 : Floats [n]
+    m0, m2 : Floats [n]
         Mass [kg/m^2] and rotary inertia [kg] per area.
     """
     count = of_sides.shape[-1]
@@ -541,9 +539,7 @@ def gradients(
 
     Parameters
     ----------
-    xi : Floats
-        Places, broadcast to [n, g].
-    eta : Floats
+    xi, eta : Floats
         Places, broadcast to [n, g].
     of : Floats | tuple[Floats, Floats] [2, .., k]
         Derivatives of the functions by xi and by eta there, broadcast to [2, n, g, k].

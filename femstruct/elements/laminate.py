@@ -46,9 +46,7 @@ def plane_stress(E1: ArrayLike, E2: ArrayLike, nu12: ArrayLike, G12: ArrayLike) 
 
     Parameters
     ----------
-    E1 : ArrayLike [n]
-        Young's moduli [Pa].
-    E2 : ArrayLike [n]
+    E1, E2 : ArrayLike [n]
         Young's moduli [Pa].
     nu12 : ArrayLike [n]
         Contraction along 2 under stress along 1 [1].
@@ -198,9 +196,7 @@ def shear_stiffness(Q: ArrayLike, G: ArrayLike, z: ArrayLike, axis: float = 0.0)
 
     Parameters
     ----------
-    Q : ArrayLike [n, 3, 3]
-        Of the layers along the plate's axes [Pa].
-    G : ArrayLike [n, 2, 2]
+    Q, G : ArrayLike [n, 3, 3], ArrayLike [n, 2, 2]
         Of the layers along the plate's axes [Pa].
     z : ArrayLike [n + 1]
         Heights of their faces [m].
@@ -275,9 +271,7 @@ def layer_stresses(Q: ArrayLike, z: ArrayLike, N: ArrayLike, M: ArrayLike) -> Fl
         Of the layers along the plate's axes [Pa].
     z : ArrayLike [n + 1]
         Heights of their faces [m].
-    N : ArrayLike [m, 3]
-        Membrane forces [N/m] and moments [N] per length at m places.
-    M : ArrayLike [m, 3]
+    N, M : ArrayLike [m, 3]
         Membrane forces [N/m] and moments [N] per length at m places.
 
     Examples

@@ -51,9 +51,7 @@ def directions(start: ArrayLike, end: ArrayLike, orientation: ArrayLike | None =
 
     Parameters
     ----------
-    start : ArrayLike [n, 3]
-        [m].
-    end : ArrayLike [n, 3]
+    start, end : ArrayLike [n, 3]
         [m].
     orientation : ArrayLike | None [n, 3] or [3]
         A vector the local z axis comes as near to as it can, standing at a right angle to the member; None means global

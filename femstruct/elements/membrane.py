@@ -141,9 +141,7 @@ def interpolate(xy: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     ----------
     xy : ArrayLike [m, 4, 2]
         Corners of the cell of each place [m].
-    xi : ArrayLike [m]
-        Place in it, 0 to 1.
-    eta : ArrayLike [m]
+    xi, eta : ArrayLike [m]
         Place in it, 0 to 1.
 
     Returns

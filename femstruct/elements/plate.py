@@ -98,9 +98,7 @@ def stiffness(kind: str, a: ArrayLike, b: ArrayLike, D: ArrayLike) -> Floats:
     ----------
     kind : str
         One of KINDS.
-    a : ArrayLike [n]
-        Sizes along the plate's x and y [m].
-    b : ArrayLike [n]
+    a, b : ArrayLike [n]
         Sizes along the plate's x and y [m].
     D : ArrayLike [3, 3] or [n, 3, 3]
         Rigidity [N m].
@@ -138,9 +136,7 @@ def mass(kind: str, a: ArrayLike, b: ArrayLike, mass_per_area: ArrayLike) -> Flo
     ----------
     kind : str
         One of KINDS.
-    a : ArrayLike [n]
-        Sizes [m]; mass_per_area [n] or one value [kg/m^2], zero allowed.
-    b : ArrayLike [n]
+    a, b : ArrayLike [n]
         Sizes [m]; mass_per_area [n] or one value [kg/m^2], zero allowed.
 
     Returns
@@ -172,13 +168,9 @@ def interpolate(kind: str, a: ArrayLike, b: ArrayLike, xi: ArrayLike, eta: Array
     ----------
     kind : str
         One of KINDS.
-    a : ArrayLike [m]
+    a, b : ArrayLike [m]
         Sizes of the cell of each point [m].
-    b : ArrayLike [m]
-        Sizes of the cell of each point [m].
-    xi : ArrayLike [m]
-        Place in it, 0 to 1.
-    eta : ArrayLike [m]
+    xi, eta : ArrayLike [m]
         Place in it, 0 to 1.
 
     Returns

@@ -71,9 +71,7 @@ def shear_rows(corners: Floats, xi: Floats, eta: Floats) -> tuple[Floats, Floats
 
     Parameters
     ----------
-    xi : Floats
-        Places as `femstruct.elements.flat_elements.gradients` takes them.
-    eta : Floats
+    xi, eta : Floats
         Places as `femstruct.elements.flat_elements.gradients` takes them.
     """
     xi, eta = np.asarray(xi)[..., None], np.asarray(eta)[..., None]
@@ -110,11 +108,7 @@ def stiffness(
     ----------
     corners : ArrayLike [n, 4, 3]
         Places of the nodes [m].
-    A : ArrayLike [3, 3] or [n, 3, 3]
-        Membrane [N/m], coupling [N] and bending [N m] rigidity.
-    B : ArrayLike [3, 3] or [n, 3, 3]
-        Membrane [N/m], coupling [N] and bending [N m] rigidity.
-    D : ArrayLike [3, 3] or [n, 3, 3]
+    A, B, D : ArrayLike [3, 3] or [n, 3, 3]
         Membrane [N/m], coupling [N] and bending [N m] rigidity.
     As : ArrayLike [2, 2] or [n, 2, 2]
         Transverse shear rigidity [N/m], its shear correction included; all in the axes of each element.
@@ -179,9 +173,7 @@ def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     ----------
     corners : ArrayLike [m, 4, 3]
         Nodes of the element of each place [m].
-    xi : ArrayLike [m]
-        Place in it, 0 to 1.
-    eta : ArrayLike [m]
+    xi, eta : ArrayLike [m]
         Place in it, 0 to 1.
 
     Returns
@@ -207,7 +199,7 @@ def resultants(
 
     Arguments as `interpolate` and `stiffness`, the rigidities [..] or [m, ..].
 
-    Returns [m, 8, 24], in the axes of each element: N and Q [N/m], M [N]. `turned_resultants` of
+    Returns [m, 8, 24], in the axes of each element: N and Q [N/m], M [N]. `rotate_resultants` of
     `femstruct.elements.flat_elements` gives them in other directions.
     """
     R, xy, heights = _placed(corners)

@@ -155,9 +155,7 @@ def bending_rows(corners: Floats, areas: Floats, D: Floats, As: Floats, at: Floa
     ----------
     corners : Floats [n, 3, 2]
         Counterclockwise; areas [n].
-    D : Floats [3, 3] or [n, 3, 3]
-        Bending and shear rigidities, whose ratio says how much of a side's motion is shear.
-    As : Floats [2, 2] or [n, 2, 2]
+    D, As : Floats [3, 3] or [n, 3, 3], Floats [2, 2] or [n, 2, 2]
         Bending and shear rigidities, whose ratio says how much of a side's motion is shear.
     at : Floats [n, g, 3]
         Shares of the corners.
@@ -224,11 +222,7 @@ def stiffness(
     ----------
     corners : ArrayLike [n, 3, 3]
         Places of the nodes [m].
-    A : ArrayLike [3, 3] or [n, 3, 3]
-        Membrane [N/m], coupling [N] and bending [N m] rigidity.
-    B : ArrayLike [3, 3] or [n, 3, 3]
-        Membrane [N/m], coupling [N] and bending [N m] rigidity.
-    D : ArrayLike [3, 3] or [n, 3, 3]
+    A, B, D : ArrayLike [3, 3] or [n, 3, 3]
         Membrane [N/m], coupling [N] and bending [N m] rigidity.
     As : ArrayLike [2, 2] or [n, 2, 2]
         Transverse shear rigidity [N/m], its shear correction included; all in the axes of each element.
@@ -295,9 +289,7 @@ def interpolate(corners: ArrayLike, xi: ArrayLike, eta: ArrayLike) -> Floats:
     ----------
     corners : ArrayLike [m, 3, 3]
         Nodes of the element of each place [m].
-    xi : ArrayLike [m]
-        Place in it, 0 to 1, xi + eta at most 1.
-    eta : ArrayLike [m]
+    xi, eta : ArrayLike [m]
         Place in it, 0 to 1, xi + eta at most 1.
 
     Returns
@@ -323,7 +315,7 @@ def resultants(
 
     Arguments as `interpolate` and `stiffness`, the rigidities [..] or [m, ..].
 
-    Returns [m, 8, 18], in the axes of each element: N and Q [N/m], M [N]. `turned_resultants` of
+    Returns [m, 8, 18], in the axes of each element: N and Q [N/m], M [N]. `rotate_resultants` of
     `femstruct.elements.flat_elements` gives them in other directions.
     """
     R, xy = _placed(corners)

@@ -228,7 +228,7 @@ def _cell(value: float) -> str:
 # ----------------------------------------------------------------------------------------------------------------------
 # What an optimisation found in one HDF5 file with the rows of all designs, and a front as a table for a spreadsheet.
 #
-# The file is that of a sweep (`swept_file`) and, of a front,
+# The file is that of a sweep (`write_swept`) and, of a front,
 #
 #     /front/goal [design, goal]          the goals of all designs, nan where they are not to be trusted
 #     /front/member [design]              whether a design is on the front; /front/held : holds all limits

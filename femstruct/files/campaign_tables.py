@@ -225,7 +225,7 @@ def _statistic(search: Search) -> str:
 
 
 def _reference(found: Found, one: Reference) -> Table:
-    """Differences of the values, as `value_is` says, and of the samples; each with the share of its own statistic."""
+    """Differences of the values, as `_statistic` says, and of the samples; each with the share of its own statistic."""
     below, mean = found.goal - one.goal, float(one.less.mean())
     return {
         "case": one.name,

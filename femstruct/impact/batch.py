@@ -325,11 +325,6 @@ def simulate_batch(
 ) -> Batch:
     """Metrics of many impacts that differ in numbers of their bodies, contacts, links and loads.
 
-    Notes: the marches of `simulate`. All runs take the exact one when the stiffest laws and the lightest bodies of any
-    run allow it. Otherwise steps are longer, since nothing is sampled; an event ends a step so short that the force in
-    it is below the tolerance. The tables of the modes are made once for all runs. A row is of the whole window: blow by
-    blow tells `simulate`. Runs are judged as by `simulate`: `Batch.outcome`, `Batch.flags`, `Batch.findings`.
-
     Parameters
     ----------
     clock : Clock
@@ -350,6 +345,13 @@ def simulate_batch(
     InputError
         For unknown names, and columns of unequal length or none; FemstructError for values that a body, contact or link
         refuses. A run that fails has its row, and raises nothing.
+
+    Notes
+    -----
+    The marches of `simulate`. All runs take the exact one when the stiffest laws and the lightest bodies of any run
+    allow it. Otherwise steps are longer, since nothing is sampled; an event ends a step so short that the force in it
+    is below the tolerance. The tables of the modes are made once for all runs. A row is of the whole window: blow by
+    blow tells `simulate`. Runs are judged as by `simulate`: `Batch.outcome`, `Batch.flags`, `Batch.findings`.
 
     Examples
     --------

@@ -264,9 +264,7 @@ def run_many(frame: System, shared: SharedTables, tables: Tables, runs: Runs, se
 
     Parameters
     ----------
-    frame : System
-        What of them depends on a run is this call's own.
-    tables : Tables
+    frame, tables : System, Tables
         What of them depends on a run is this call's own.
     """
     k, bodies = frame.n_modes, runs.mass.shape[1]

@@ -138,11 +138,7 @@ def lifted_finding(plan: Blows, lifts: int, number: int, force: float, since: fl
 
     Parameters
     ----------
-    number : int [s]
-        Of the first such lift.
-    force : float [N]
-        Of the first such lift.
-    since : float [s]
+    number, force, since : int [s], float [N], float [s]
         Of the first such lift.
     """
     return Finding(

@@ -264,9 +264,7 @@ def crossing(c: Floats, lead: int, order: int, low: float, high: float, at_low: 
 
     Parameters
     ----------
-    at_low : float
-        Its values there; the first guess is where a line through them crosses zero, but at neither end.
-    at_high : float
+    at_low, at_high : float
         Its values there; the first guess is where a line through them crosses zero, but at neither end.
     """
     part = at_low / (at_low - at_high) if at_high < 0.0 < at_low else 0.5
@@ -580,7 +578,7 @@ def judge(c: Floats, order: int, noise: float, small: float, fresh: int, rule: E
 def weigh_rounding(
     system: System, state: State, h: float, before: float, stiff: float, scratch: ExactWorkspace
 ) -> None:
-    """What rounding leaves unknown of the interfaces in a step of length h, into room.terms.
+    """What rounding leaves unknown of the interfaces in a step of length h, into scratch.terms.
 
     Parameters
     ----------
@@ -653,7 +651,7 @@ def _decides(system: System, state: State, a: int, kind: int) -> bool:
 def _condition(
     system: System, state: State, scratch: ExactWorkspace, a: int, kind: int, order: int, h: float
 ) -> tuple[float, float]:
-    """The polynomial that must not become negative, into room.watched; returns the rounding of its value and of its
+    """The polynomial that must not become negative, into scratch.watched; returns the rounding of its value and of its
     other coefficients."""
     law, c = system.interfaces[a], scratch.watched
     doubt, lesser = scratch.terms[a, NOISE], scratch.terms[a, SMALL]

@@ -263,9 +263,7 @@ def read_search(
         Texts ``PATH=FROM:TO`` or ``PATH=FROM:TO:log`` of what may be chosen, beside what the file says.
     limits : Sequence[str]
         Texts ``NAME=VALUE``.
-    overrides : Sequence[str]
-        As for `read_campaign`.
-    case : str
+    overrides, case : Sequence[str], str
         As for `read_campaign`.
     runs : int | None
         Of the study at most.

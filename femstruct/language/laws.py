@@ -1,4 +1,4 @@
-"""Contact laws as they are written: what each declares, told apart by its `type`; of what stands around them."""
+"""Contact laws as they are written: what each declares, by its `type`, and what it needs to know of its two ends."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ class LawSpec(Spec):
         given |= more
         needs, names = dict(self.only_with), declared(type(self).makes)
         round_ends = tuple(one for one in site.ends.radii or () if one < inf)
-        told = {"at_speed": site.ends.speed, "mass": site.ends.mass, "radius": round_ends or None}
-        for key, value in told.items():
+        around = {"at_speed": site.ends.speed, "mass": site.ends.mass, "radius": round_ends or None}
+        for key, value in around.items():
             name = dict(self.called).get(key, key)
             if name in names and value is not None and all(other in given for other in needs.get(key, ())):
                 given.setdefault(name, value)

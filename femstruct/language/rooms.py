@@ -479,9 +479,7 @@ class ClosedSpec(RoomSpec):
 
         Parameters
         ----------
-        sources : dict[str, str]
-            See `build`.
-        shaped : dict[str, ShapedRoom]
+        sources, shaped : dict[str, str], dict[str, ShapedRoom]
             See `build`.
         """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from femstruct.declared import UNTOLD, Key, checked
+from femstruct.declared import NOT_GIVEN, Key, checked
 from femstruct.laws.hunt_crossley import Exponent, PowerLaw
 from femstruct.laws.law import MeetingSpeed, Restitution, meeting_speed
 from femstruct.laws.restitution import restitution_of
@@ -26,7 +26,7 @@ class ByRestitution(PowerLaw):
 
     stiffness: Annotated[float, PowerStiffness()]
     restitution: Restitution
-    speed: Annotated[MeetingSpeed, Key("at_speed")] = UNTOLD
+    speed: Annotated[MeetingSpeed, Key("at_speed")] = NOT_GIVEN
     exponent: Exponent = 1.5
     tensile: bool = False
 

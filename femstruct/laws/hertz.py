@@ -11,7 +11,7 @@ import numpy as np
 from femstruct.arrays import Floats, freeze
 from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import Records, System
-from femstruct.declared import UNTOLD, checked
+from femstruct.declared import NOT_GIVEN, checked
 from femstruct.errors import InputError
 from femstruct.laws.law import Code, Law, StoredLaw, refuse_unless_positive
 from femstruct.quantities import AnyRatio, Length, Modulus, Quantity
@@ -75,7 +75,7 @@ class Hertz(Law):
     one_of: ClassVar = (("stiffness", "E"),)
     only_with: ClassVar = (("radius", ("E", "nu")), ("E", ("nu",)), ("nu", ("E",)))
 
-    stiffness: Annotated[float, Quantity(("hertz stiffness",), above=0.0)] = UNTOLD
+    stiffness: Annotated[float, Quantity(("hertz stiffness",), above=0.0)] = NOT_GIVEN
     damping: Annotated[float, Quantity(("hertz damping",), least=0.0)] = 0.0
     tensile: bool = False
     _: KW_ONLY
@@ -103,12 +103,14 @@ class Hertz(Law):
 
         radius [m], infinite for a flat face; E [Pa].
 
-        References: Johnson, Contact Mechanics (1985), equations 4.22 and 4.23.
-
         Parameters
         ----------
         nu : tuple[float, float]
             Poisson's ratios.
+
+        References
+        ----------
+        Johnson, Contact Mechanics (1985), equations 4.22 and 4.23.
 
         Examples
         --------

@@ -140,9 +140,7 @@ class Law(ABC):
 
         Parameters
         ----------
-        spring : Floats
-            Its numbers times the mobility behind it over the speed allowed.
-        dashpot : Floats
+        spring, dashpot : Floats
             Its numbers times the mobility behind it over the speed allowed.
         speed : Floats [m/s]
             Of meeting.

@@ -12,7 +12,7 @@ import numpy as np
 from femstruct.arrays import Floats, freeze
 from femstruct.compiled.kernels import kernel
 from femstruct.compiled.records import Records, System
-from femstruct.declared import UNTOLD, Key, checked
+from femstruct.declared import NOT_GIVEN, Key, checked
 from femstruct.errors import InputError
 from femstruct.laws.law import HARDLY, AnyRestitution, Code, Law, PositiveStiffness, StoredLaw, refuse_unless_positive
 from femstruct.laws.restitution import damping_ratio_for, swing
@@ -104,7 +104,7 @@ class Linear(SpringDashpot):
     at_most_one_of: ClassVar = (("damping", "restitution"),)
     only_with: ClassVar = (("duration", ("restitution",)), ("mass", ("restitution",)))
 
-    stiffness: PositiveStiffness = UNTOLD
+    stiffness: PositiveStiffness = NOT_GIVEN
     damping: Dashpot = 0.0
     tensile: bool = False
     _: KW_ONLY
@@ -139,9 +139,6 @@ class Linear(SpringDashpot):
     ) -> Linear:
         """The law with which a mass returns from a rigid wall with a restitution, at every speed.
 
-        Notes: c = 2 z sqrt(k m) with z from `femstruct.laws.restitution.damping_ratio_for`; the contact lasts
-        T = 2 swing(z) sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
-
         With tension and a stiffness the restitution may be 0: the bodies stay together.
 
         Parameters
@@ -157,6 +154,11 @@ class Linear(SpringDashpot):
         InputError
             Unless 0 < restitution <= 1 (or 0 as above), mass and duration or stiffness are positive, and one of these
             two is given.
+
+        Notes
+        -----
+        c = 2 z sqrt(k m) with z from `femstruct.laws.restitution.damping_ratio_for`; the contact lasts T = 2 swing(z)
+        sqrt(m / k) without tension, and sqrt(pi^2 + ln^2 e) sqrt(m / k) with it.
 
         Examples
         --------

@@ -104,9 +104,7 @@ def own_modes(
         reference.
     walls : Sequence[Complex]
         Complex stiffness [k, k] of each wall there.
-    rigid : int
-        How many rigid and how many modes in all.
-    count : int
+    rigid, count : int
         How many rigid and how many modes in all.
     residual : int
         How many vectors of probes follow them.

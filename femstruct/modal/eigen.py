@@ -339,9 +339,7 @@ def modes(
 
     Parameters
     ----------
-    K : csc_array [n, n]
-        Sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
-    M : csc_array [n, n]
+    K, M : csc_array [n, n]
         Sparse, symmetric, positive semi-definite; K may have any number of rigid modes and mechanisms.
     labels : Sequence[str] [n]
         Names of the degrees of freedom, for messages.

@@ -239,9 +239,7 @@ def frf_table(
 
     Parameters
     ----------
-    drives : Mapping[str, Probe]
-        By name, POINT.direction or NAME.force.
-    responses : Mapping[str, Probe | ForceRow]
+    drives, responses : Mapping[str, Probe], Mapping[str, Probe | ForceRow]
         By name, POINT.direction or NAME.force.
     kind : FrfKind | None
         As for `frf`; None for accelerance of places and transmissibility of forces.

@@ -135,18 +135,18 @@ KNOWN: Final = 1e-10  # of the energies of a pair: what rounding may leave unkno
 def loss_form(omega: Floats, damping: Floats, taken: Floats) -> tuple[Floats, Floats]:
     """The form S of the state y = [z, v] of oscillators, free motion loses y . S y / 2 from now on; and its rounding.
 
-    Notes: S is the integral of exp(B t)^T W exp(B t) over all times, and the solution of B^T S + S B = -W: for each two
-    oscillators four equations, solved here by hand. The determinant is (u^2 - w^2)^2 + (c + g)(c u^2 + g w^2), a sum of
-    positive terms. Masses and stiffnesses do not enter: that S is the energy is what a balance can be checked by.
-
     Parameters
     ----------
-    omega : Floats [k]
-        W, c of z'' + c z' + w^2 z = 0.
-    damping : Floats [k]
+    omega, damping : Floats [k]
         W, c of z'' + c z' + w^2 z = 0.
     taken : Floats [2 k, 2 k]
         W, the power y . W y / 2 of all damping. The rounding [2 k, 2 k] is infinite for pairs that lose nothing.
+
+    Notes
+    -----
+    S is the integral of exp(B t)^T W exp(B t) over all times, and the solution of B^T S + S B = -W: for each two
+    oscillators four equations, solved here by hand. The determinant is (u^2 - w^2)^2 + (c + g)(c u^2 + g w^2), a sum of
+    positive terms. Masses and stiffnesses do not enter: that S is the energy is what a balance can be checked by.
 
     Examples
     --------

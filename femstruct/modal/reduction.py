@@ -241,11 +241,11 @@ def _rounded(assembly: Assembly, found: Modes) -> tuple[Finding, ...]:
     worst = int(np.argmax(uncertain))
     hz = float(np.sqrt(found.eigenvalues[elastic][worst])) / (2.0 * np.pi)
     largest = int(np.argmax(assembly.K.diagonal()))
-    how = f"by {uncertain[worst]:.1%}" if uncertain[worst] < 1.0 else "altogether"
+    how = f"may be off by {uncertain[worst]:.1%}" if uncertain[worst] < 1.0 else "cannot be determined"
     message = (
-        f"The mode at {hz:.4g} Hz is uncertain {how}: what resists it is lost in the rounding of the largest, "
-        f"{assembly.dofs.labels[largest]}. Let grid lines of plates that nearly meet (of points, edges of regions, "
-        "joints) meet, or leave more room between them"
+        f"The frequency of the mode at {hz:.4g} Hz {how}: the stiffness that holds it is below the rounding error "
+        f"of the largest stiffness, at {assembly.dofs.labels[largest]}. Where grid lines of a plate nearly coincide "
+        "(those of points, edges of regions, joints), move them together or farther apart"
     )
     values = {"uncertain": min(float(uncertain[worst]), 1.0), "frequency_hz": hz}
     return (Finding("lost-in-rounding", message, values, severe=bool(uncertain[worst] > SEVERE)),)

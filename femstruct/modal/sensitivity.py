@@ -278,9 +278,7 @@ def shape_slopes(
 
     Parameters
     ----------
-    omega : Floats [k]
-        All modes up to well above the wanted ones, ascending, without pseudo-modes.
-    shapes : Floats [n_free, k]
+    omega, shapes : Floats [k], Floats [n_free, k]
         All modes up to well above the wanted ones, ascending, without pseudo-modes.
     chosen : Integers [w]
         Which of them.

@@ -170,5 +170,5 @@ def _refuse_free(assembly: Assembly) -> None:
             got="a structure that can move as a whole",
             expected="supports or springs that hold it every way",
             do="'femstruct modes MODEL' counts its rigid-body modes; if springs hold it every way, look for grid lines "
-            "that nearly meet, in whose rounding they are lost",
+            "that nearly coincide: the springs are below their rounding error",
         )

@@ -85,9 +85,7 @@ def craig_bampton(
 
     Parameters
     ----------
-    M : Any [n, n]
-        Mass, stiffness and dashpots [kg, N/m, N s/m].
-    K : Any [n, n]
+    M, K : Any [n, n]
         Mass, stiffness and dashpots [kg, N/m, N s/m].
     boundary : ArrayLike [b]
         Degrees of freedom of the interface, which stay as they are.
@@ -274,9 +272,7 @@ def reduce_part(model: Model, name: str, *, up_to: float | None = None, count: i
 
     Parameters
     ----------
-    up_to : float | None
-        Of the modes with the interface held, as of `craig_bampton`. What touches it stays in the model.
-    count : int | None
+    up_to, count : float | None, int | None
         Of the modes with the interface held, as of `craig_bampton`. What touches it stays in the model.
 
     Raises

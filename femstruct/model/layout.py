@@ -451,9 +451,7 @@ def stretch_inside(places: Floats, across: Floats, low: Floats, high: Floats) ->
 
     Parameters
     ----------
-    low : Floats [3]
-        Corners of the box. A line that misses it enters after it leaves.
-    high : Floats [3]
+    low, high : Floats [3]
         Corners of the box. A line that misses it enters after it leaves.
 
     Examples

@@ -574,15 +574,7 @@ def material_like(
 
     Parameters
     ----------
-    E : float | tuple[float, ...] | None
-        In place of those of the entry. A loss factor that neither gives is 0.
-    nu : float | tuple[float, ...] | None
-        In place of those of the entry. A loss factor that neither gives is 0.
-    rho : float | None
-        In place of those of the entry. A loss factor that neither gives is 0.
-    G : tuple[float, ...] | None
-        In place of those of the entry. A loss factor that neither gives is 0.
-    loss_factor : Loss | None
+    E, nu, rho, G, loss_factor
         In place of those of the entry. A loss factor that neither gives is 0.
 
     Raises

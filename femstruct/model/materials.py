@@ -458,9 +458,7 @@ def timber(
 
     Parameters
     ----------
-    G : tuple[float, ...] | None
-        In place of those of the class, where they are known better.
-    rho : float | None
+    G, rho : tuple[float, ...] | None, float | None
         In place of those of the class, where they are known better.
 
     Examples

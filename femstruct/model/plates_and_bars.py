@@ -316,13 +316,9 @@ def offsets_to_write(names: tuple[str, str], feet: Floats, arms: Floats, corner:
     ----------
     names : tuple[str, str]
         Of the bars and of what lies in the plane.
-    feet : Floats [n, 3]
+    feet, arms : Floats [n, 3]
         Places of their lines, and from there to their axes [m].
-    arms : Floats [n, 3]
-        Places of their lines, and from there to their axes [m].
-    corner : Floats [3]
-        Of the plane.
-    normal : Floats [3]
+    corner, normal : Floats [3]
         Of the plane.
 
     Examples
@@ -330,7 +326,7 @@ def offsets_to_write(names: tuple[str, str], feet: Floats, arms: Floats, corner:
     >>> feet = np.array([[0.1, 0.6, -0.07], [1.9, 0.6, -0.07]])
     >>> offsets_to_write(("rib", "slab"), feet, 0.0 * feet, np.zeros(3), np.array([0.0, 0.0, 1.0]))
     "if rib is a rib of slab, move its lines by [0, 0, 70 mm] into the mid-surface of slab and write 'offsets: {start: \
-[0, 0, -70 mm], end: [0, 0, -70 mm]}'"
+    [0, 0, -70 mm], end: [0, 0, -70 mm]}'"
     """
     heights = (feet - corner) @ normal
     small = _SMALL * float(np.ptp(feet, axis=0).max(initial=0.0))

@@ -381,9 +381,7 @@ def region_box(where: str, name: str, size: Pair, region: Region, tolerance: flo
 
     Parameters
     ----------
-    name : str
-        Of a plate, or of a block and the face the region is on.
-    size : Pair
+    name, size : str, Pair
         Of a plate, or of a block and the face the region is on.
 
     Raises

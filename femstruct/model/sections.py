@@ -114,9 +114,7 @@ def box(name: str, width: float, height: float, thickness: float) -> Section:
 
     Parameters
     ----------
-    width : float
-        Outer sides along local y and z [m]; thickness [m].
-    height : float
+    width, height : float
         Outer sides along local y and z [m]; thickness [m].
 
     Notes
@@ -150,13 +148,9 @@ def i_section(name: str, width: float, height: float, web: float, flange: float)
 
     Parameters
     ----------
-    width : float
+    width, height : float
         Over all [m].
-    height : float
-        Over all [m].
-    web : float
-        Thicknesses [m].
-    flange : float
+    web, flange : float
         Thicknesses [m].
 
     Notes

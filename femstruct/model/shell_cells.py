@@ -218,9 +218,7 @@ def edge_gauss(cells: FlatCells, which: Integers, corner: Integers) -> tuple[Int
 
     Parameters
     ----------
-    which : Integers [e]
-        The cell of each edge and the corner that it runs from.
-    corner : Integers [e]
+    which, corner : Integers [e]
         The cell of each edge and the corner that it runs from.
     """
     points, shares = gauss_interval(EDGE_ORDER)

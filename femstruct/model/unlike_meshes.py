@@ -55,9 +55,7 @@ def feet_beside_nodes(bars: Meshed, cells: Meshed, nodes: Integers, there: Integ
 
     Parameters
     ----------
-    nodes : Integers
-        Those of both parts that a joint is about.
-    there : Integers
+    nodes, there : Integers
         Those of both parts that a joint is about.
     """
     ends = np.intersect1d(bars.lines.ravel(), nodes)
@@ -135,7 +133,7 @@ def _feet(bars: Meshed, cells: Meshed, nodes: Integers, model: Model) -> _Feet:
 def _turning(
     feet: _Feet, parts: tuple[Meshed, Meshed], along: Integers, directions: Floats, springy: list[int]
 ) -> list[csr_array]:
-    """Rotations held: of ribs about their axis, of what stands on the cells all; as `bars_on_plates.turning_rows`."""
+    """Rotations held: of ribs about their axis, of what stands on the cells all; as `plates_and_bars.turning_rows`."""
     bars, cells = parts
     free = np.eye(3)[[number - 3 for number in springy if number >= 3]]
     everywhere, normal = np.arange(len(feet.nodes)), cells.drilling

@@ -51,9 +51,7 @@ def drawn_nodes(places: Floats, nodes: Integers, quads: Integers, lines: Integer
 
     Parameters
     ----------
-    quads : Integers [q, 4]
-        Rows of the nodes.
-    lines : Integers [l, 2]
+    quads, lines : Integers [q, 4], Integers [l, 2]
         Rows of the nodes.
     """
     rows = np.zeros((len(nodes), 3, 1, N_COMPONENTS))
@@ -310,9 +308,7 @@ def signs_of_side(where: str, name: str, cells: FlatCells, chosen: Integers, sid
 
     Parameters
     ----------
-    where : str
-        For messages.
-    name : str
+    where, name : str
         For messages.
 
     Raises

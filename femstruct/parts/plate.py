@@ -75,11 +75,7 @@ def patch_points(
 
     Parameters
     ----------
-    name : str
-        Of the plate, its grid lines along x and y. center [2].
-    size : Pair
-        Of the plate, its grid lines along x and y. center [2].
-    grid : tuple[Floats, Floats]
+    name, size, grid : str, Pair, tuple[Floats, Floats]
         Of the plate, its grid lines along x and y. center [2].
     patch : float | Pair
         Radius of a disc, or the sides of a rectangle [m].
@@ -117,9 +113,7 @@ def patch_turning(
     ----------
     centers : Floats [m, 2]
         In its coordinates [m].
-    size : Pair
-        Of the plate.
-    axes : Floats
+    size, axes : Pair, Floats
         Of the plate.
     motion : Callable[[Floats], tuple[Integers, Floats]]
         Nodes [p, k] and rows [p, 6, k, 7] of places of it. The ends of a cross, as far as they lie on the plate, and

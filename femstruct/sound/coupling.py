@@ -124,9 +124,7 @@ def coupling_residual(before: Floats, mass: Floats, compression: Floats, after: 
 
     Parameters
     ----------
-    mass : Floats [m, m]
-        Of the air over all coordinates, those of the structure first.
-    compression : Floats [r, m]
+    mass, compression : Floats [m, m], Floats [r, m]
         Of the air over all coordinates, those of the structure first.
     x : Floats [m, n]
         The new coordinates.

@@ -121,9 +121,7 @@ def radiated_sound(
 
     Parameters
     ----------
-    room : Placed
-        As of `power_per_force`.
-    pattern_hz : Sequence[float]
+    room, pattern_hz : Placed, Sequence[float]
         As of `power_per_force`.
     """
     moving, air = combine_surfaces(surface_velocity(response, room)), room.room.air

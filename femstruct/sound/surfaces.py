@@ -200,9 +200,7 @@ def velocity_per_source(
     basis : ModalBasis
         In vacuo for one-way coupling; coupled to the room by `with_cavity` for two-way coupling, where the source moves
         the surfaces and these move the air, which reacts on them.
-    room : Placed
-        Where it stands, in the room's coordinates.
-    source : Receiver
+    room, source : Placed, Receiver
         Where it stands, in the room's coordinates.
     response : Probe
         What moves, of a direction or a rotation [rad/m^3].

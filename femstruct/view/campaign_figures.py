@@ -603,9 +603,7 @@ def _drawn(title: str, axes: Sequence[Along], colour: int, strong: Flags, weak: 
 
     Parameters
     ----------
-    strong : Flags [n]
-        Lines in colour and in grey.
-    weak : Flags [n]
+    strong, weak : Flags [n]
         Lines in colour and in grey.
     """
     width = 1.6 + 1.75 * len(axes)

@@ -319,9 +319,7 @@ def runs(labels: Sequence[Label], low: Floats, high: Floats) -> list[Label]:
 
     Parameters
     ----------
-    low : Floats [3]
-        As of `separate_labels`.
-    high : Floats [3]
+    low, high : Floats [3]
         As of `separate_labels`.
 
     Examples
@@ -366,9 +364,7 @@ def separate_labels(labels: Sequence[Label], low: Floats, high: Floats) -> list[
 
     Parameters
     ----------
-    low : Floats [3]
-        The box of all that is drawn [m], whose height in the picture tells the size of a letter.
-    high : Floats [3]
+    low, high : Floats [3]
         The box of all that is drawn [m], whose height in the picture tells the size of a letter.
 
     Examples

@@ -117,9 +117,7 @@ def _lines(
 
     Parameters
     ----------
-    step : float [Hz]
-        Between lines; one period in the record.
-    slowest : float [Hz]
+    step, slowest : float [Hz]
         Between lines; one period in the record.
     """
     rooms = reference.case.study.rooms

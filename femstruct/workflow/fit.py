@@ -106,9 +106,7 @@ def fit_with_intervals(
 
     Parameters
     ----------
-    x : Floats [p]
-        Of the scaled parameters.
-    jacobian : Floats [N, p]
+    x, jacobian : Floats [p], Floats [N, p]
         Of the scaled parameters.
     numbers : int
         Independent ones among what is left.

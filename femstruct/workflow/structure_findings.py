@@ -261,9 +261,7 @@ def structure_findings_before(
 
     Parameters
     ----------
-    structure : StructureModel
-        What is described, and its mesh; None in closed form.
-    model : Model | None
+    structure, model : StructureModel, Model | None
         What is described, and its mesh; None in closed form.
     studies : Sequence[Study]
         What happens to it, for what they join (contacts, links), for gravity, and for their bodies.
@@ -409,7 +407,7 @@ def _mechanisms(model: Model, basis: ModalBasis, studies: Sequence[Study], gravi
             "mechanism",
             f"{extra} of the {basis.n_rigid} modes at 0 Hz are not rigid-body motions of the structure or of a piece: "
             "parts slide or turn on each other without resistance, as on a layer or spring without stiffness in that "
-            "direction, or grid lines nearly meet, so that what resists is lost in rounding"
+            "direction, or grid lines nearly coincide, so that springs are below the rounding error"
             + (". Gravity sets one of them in motion" if falls else ""),
             {"mechanisms": extra, "rigid_modes": basis.n_rigid},
             severe=falls,

@@ -316,9 +316,7 @@ def read_yaml(path: str | Path, asked_at: Position | None = None, asked_path: st
 
     Parameters
     ----------
-    asked_at : Position | None
-        Where another file names this one, for the message when it cannot be opened.
-    asked_path : str
+    asked_at, asked_path : Position | None, str
         Where another file names this one, for the message when it cannot be opened.
 
     Raises

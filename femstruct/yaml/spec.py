@@ -344,7 +344,7 @@ def spec_of(noun: type, word: str, base: type[Spec]) -> Any:
 
 
 def _written(noun: type, key: str, one: Declared) -> tuple[Any, Any]:
-    """Annotation and default of a key; a default that nothing has told yet is none."""
+    """Annotation and default of a key; a default that nothing has stated yet is none."""
     if one.annotation in (float, int):
         got, expected = f"{key}: {one.annotation.__name__}", "its quantity, as in `thickness: Length`"
         raise FemstructError(f"{noun.__module__}.{noun.__name__}", got=got, expected=expected)

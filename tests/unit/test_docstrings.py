@@ -1,8 +1,11 @@
 """Docstrings have the sections of numpydoc, so that tools and editors show what each argument is."""
 
 import ast
+import io
 import re
+import tokenize
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -25,7 +28,8 @@ def described(path: Path) -> Iterator[tuple[ast.FunctionDef, list[str], str]]:
 def parameters(text: str) -> list[str]:
     """Names of the section Parameters."""
     found = re.search(r"^Parameters\n-+\n(.*?)(?=\n\n\w+\n-+\n|\Z)", text, re.MULTILINE | re.DOTALL)
-    return re.findall(r"^\*{0,2}(\w+)(?: :|$)", found[1], re.MULTILINE) if found else []
+    heads = re.findall(r"^([\w*, ]+?)(?: :|$)", found[1], re.MULTILINE) if found else []
+    return [name.strip("* ") for head in heads for name in head.split(",") if not head.startswith(" ")]
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
@@ -42,3 +46,29 @@ def test_arguments_are_described_in_sections(path: Path) -> None:
         if headings != sorted(headings, key=SECTIONS.index):
             wrong.append(f"{node.name}: sections in the order {headings}")
     assert not wrong, f"write numpydoc sections in the order {SECTIONS}: {wrong}"
+
+
+@cache
+def known_names() -> frozenset[str]:
+    """Identifiers of the packages, words of their texts (keys of files and of answers), and names of files."""
+    names = {part for path in ROOT.rglob("*.py") for part in (path.stem, path.parent.name)}
+    for path in SOURCES:
+        for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
+            if token.type == tokenize.NAME:
+                names.add(token.string)
+            elif token.type == tokenize.STRING and not token.string.endswith('"""'):
+                names.update(re.findall(r"\w+", token.string))
+    return frozenset(names)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_names_in_back_quotes_exist(path: Path) -> None:
+    """What a docstring or comment sends its reader to is there: `a.dotted.name` or `a_name_with_underscores`."""
+    wrong = []
+    for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
+        if token.type == tokenize.COMMENT or (token.type == tokenize.STRING and token.string.endswith('"""')):
+            for name in re.findall(r"(?<!`)`([A-Za-z]\w*(?:\.\w+)*)`(?!`)", token.string):
+                named = "." in name or "_" in name
+                if named and not set(name.removesuffix(".py").split(".")) <= known_names():
+                    wrong.append(f"line {token.start[0]}: {name}")
+    assert not wrong, f"these names are not there any more: {wrong}"
