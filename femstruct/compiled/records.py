@@ -28,7 +28,7 @@ class InterfaceRecord(NamedTuple):
     """What kernels know of a contact or a link.
 
     kind : number of a contact's code in `laws.registry`, or LINK; factor : whether its dashpot is a factor of the
-    spring, closing then chi; straight : whether its numbers are constants, so that the exact march may take it;
+    spring, closing then chi; straight : whether its numbers are constants, so that the exact integration may take it;
     indentation = displacement + offset; release in ticks, of a contact: of the first blow of a body it waits for;
     shape : a law's other number; first, length point into the rows of numbers `System.curves` that a law brings;
     force_at, energy_at : addresses of a user's functions.

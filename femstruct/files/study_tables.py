@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# How far the numbers of a case may be off by what the march leaves, as tables.
+# How far the numbers of a case may be off by what the integration leaves, as tables.
 # ----------------------------------------------------------------------------------------------------------------------
 
 KINDS: Final = (
@@ -38,7 +38,8 @@ KINDS: Final = (
 
 
 def error_table(found: ErrorEstimate) -> Table:
-    """Numbers of the impact and how far the march may be from them, by contact or body; infinite errors are None."""
+    """Numbers of the impact and how far the integration may be from them, by contact or body; infinite errors are
+    None."""
     return (
         {"from": "rounding" if found.exact else "a stricter run"}
         | describe(found)
@@ -50,7 +51,8 @@ def error_table(found: ErrorEstimate) -> Table:
 
 
 def write_errors(target: h5py.Group, found: ErrorEstimate) -> None:
-    """The errors in the results file, a group for each kind of number in its unit; an exact march has no tolerances."""
+    """The errors in the results file, a group for each kind of number in its unit; an exact integration has no
+    tolerances."""
     write_described(target, found)
     for name, field, of, unit, description in KINDS:
         numbers: Mapping[str, Resolved] = getattr(found, field)

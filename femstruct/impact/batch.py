@@ -67,9 +67,9 @@ class Lifts:
 class Batch:
     """Metrics of many runs of one scene, each [runs]; a run that failed has nan, and says why in `trouble`.
 
-    basis, clock; tick [s] : what times of events are resolved to, zero where all runs took the exact march;
+    basis, clock; tick [s] : what times of events are resolved to, zero where all runs took the exact integration;
     varied : the scene as given and the columns of numbers that took its place.
-    status : 0 for a run that reached its end. outcome : None for one that did not. steps : of the march.
+    status : 0 for a run that reached its end. outcome : None for one that did not. steps : of the integration.
     peak_force [N], peak_time [s], deepest indentation [m], closings, first_open [s] (nan if never), shortest [s] of its
     closings (infinite where none ended) and, for a contact that is closed at the end, closed_since [s], by contact.
     separated : whether the collision ended; at_separation, end : energies.
@@ -293,7 +293,7 @@ def _flags(
 # Thousands of impacts on one basis, a row of numbers each.
 # ----------------------------------------------------------------------------------------------------------------------
 
-CHUNK, EXACT_CHUNK = 64, 512  # runs between two looks at the keyboard; those of the exact march are short
+CHUNK, EXACT_CHUNK = 64, 512  # runs between two looks at the keyboard; those of the exact integration are short
 CHUNKS = 4  # of every thread, at least, where runs differ in length
 RUNS_WITH_FORCES = 8  # runs whose pushes are in memory at once, of every thread
 Progress = Callable[[int, int], None]
@@ -348,9 +348,9 @@ def simulate_batch(
 
     Notes
     -----
-    The marches of `simulate`. All runs take the exact one when the stiffest laws and the lightest bodies of any run
-    allow it. Otherwise steps are longer, since nothing is sampled; an event ends a step so short that the force in it
-    is below the tolerance. The tables of the modes are made once for all runs. A row is of the whole window: blow by
+    The integrations of `simulate`. All runs take the exact one when the stiffest laws and the lightest bodies of any
+    run allow it. Otherwise steps are longer, since nothing is sampled; an event ends a step so short that the force in
+    it is below the tolerance. The tables of the modes are made once for all runs. A row is of the whole window: blow by
     blow tells `simulate`. Runs are judged as by `simulate`: `Batch.outcome`, `Batch.flags`, `Batch.findings`.
 
     Examples

@@ -239,7 +239,7 @@ class Runs(NamedTuple):
 
 
 class IntegratorSettings(NamedTuple):
-    """What both marches need, the exact one and the one by collocation. exact : whether it is the exact one, which
+    """What both integrations need, the exact one and the one by collocation. exact : whether it is the exact one, which
     needs no tables."""
 
     exact: bool
@@ -447,7 +447,7 @@ LEAST_HALVINGS = 12
 class Fleet:
     """What all runs share, and where their numbers come from.
 
-    compiled : the scene as given; exact : whether all runs take the exact march; top_level : of the steps of the
+    compiled : the scene as given; exact : whether all runs take the exact integration; top_level : of the steps of the
     other one; late : tick from which on bodies that rest hardly gain speed, -1 where none can rest; columns : of a row
     of metrics.
     """

@@ -181,7 +181,7 @@ NOT_DECAYED = 1e-2  # of the structure's largest energy
 @dataclass(frozen=True)
 class JudgedRun:
     """What a run is judged by: the residual of its ledger, its outcome, its window [s] and the resolution of its events
-    [s], zero for an exact march; of contacts, since when those that are closed at the end are [s], the largest
+    [s], zero for an exact integration; of contacts, since when those that are closed at the end are [s], the largest
     indentation [m], and how long the shortest closing lasted [s], infinite where none ended."""
 
     residual: float
@@ -235,8 +235,8 @@ def run_findings(contacts: Sequence[Contact], run: JudgedRun) -> tuple[Finding, 
 
 
 def unresolved(shortest: Floats | np.float64, tick: float, residual: Floats | np.float64) -> NDArray[np.bool_]:
-    """Whether a closing was too short for the march, whose step is a tick where a contact closes, and energy shows it:
-    a faint touch may be as short as it likes."""
+    """Whether a closing was too short for the integration, whose step is a tick where a contact closes, and energy
+    shows it: a faint touch may be as short as it likes."""
     return np.asarray((shortest < TICKS_PER_CONTACT * tick) & drifts(residual))
 
 

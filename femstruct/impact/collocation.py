@@ -1,4 +1,4 @@
-"""The collocation march for laws that are not linear: steps through Gauss points, and the events between them."""
+"""The collocation integration for laws that are not linear: steps through Gauss points, and the events between them."""
 
 from __future__ import annotations
 
@@ -282,9 +282,9 @@ ERROR, PART = 0, 1  # columns of what is found
 
 
 class Workspace(NamedTuple):
-    """Work space of a march. trial : of its steps, with their work space. here : between two steps. bounds [m, 4] :
-    what interpolation can miss of an interface, and rounding. work [s + 4, n].
-    found [2] : of a trial step: its error over what is allowed, and the part of it before the first change of status.
+    """Work space of an integration. trial : of its steps, with their work space. here : between two steps. bounds [m,
+    4] : what interpolation can miss of an interface, and rounding. work [s + 4, n]. found [2] : of a trial step: its
+    error over what is allowed, and the part of it before the first change of status.
     """
 
     trial: StepTrial
@@ -295,7 +295,7 @@ class Workspace(NamedTuple):
 
 
 def collocation_workspace(system: System) -> Workspace:
-    """Work space for marches of a system of this size."""
+    """Work space for integrations of a system of this size."""
     return Workspace(
         trial=step_workspace(system),
         here=standing_room(system),
@@ -405,7 +405,7 @@ def _add_point(
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# The march through time: steps of tau 2^level, aligned to their length, so that samples fall on step ends.
+# The integration through time: steps of tau 2^level, aligned to their length, so that samples fall on step ends.
 #
 # A change of status ends a step one tick wide; the alignment then lets steps grow by no more than a factor of two each,
 # which is the graded mesh that the onset of a contact (indentation^1.5, ^0.5) needs.
@@ -416,8 +416,9 @@ LEDGER_ROWS = 2048  # at most, while nothing acts
 
 
 class CollocationSteps(NamedTuple):
-    """How a march chooses its steps. halvings : of the sampling interval to a tick. top_level : of the longest step.
-    tolerance : of the error of a step. max_steps : tried at most. paced : tried between two looks at the progress."""
+    """How an integration chooses its steps. halvings : of the sampling interval to a tick. top_level : of the longest
+    step. tolerance : of the error of a step. max_steps : tried at most. paced : tried between two looks at the
+    progress."""
 
     halvings: int
     top_level: int
@@ -539,8 +540,8 @@ def _begin(system: System, state: State, scratch: Workspace, record: RunRecord) 
 
 @kernel
 def _progress(how: int, tried: int, seen: int, t: int, end: int, steps: CollocationSteps) -> tuple[int, int, int]:
-    """How the march goes on: STALLS where it came so little farther since the last look (seen) that all steps are gone
-    before the end; steps tried since the last look, and where that was."""
+    """How the integration goes on: STALLS where it came so little farther since the last look (seen) that all steps are
+    gone before the end; steps tried since the last look, and where that was."""
     if tried < steps.paced:
         return how, tried, seen
     stalls = how == DONE and t - seen < steps.paced * (end / steps.max_steps)
@@ -752,7 +753,7 @@ def levels_for(halvings: int) -> int:
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# One run of the march for laws that are not linear, at a tolerance.
+# One run of the integration for laws that are not linear, at a tolerance.
 # ----------------------------------------------------------------------------------------------------------------------
 
 MAX_STEPS = 20_000_000
@@ -764,7 +765,7 @@ SELF = 30  # what a step costs beside its coordinates, 2.1 us against 0.07 us fo
 
 
 class Ended(NamedTuple):
-    """How a march ended, when [s], and how many ledger rows and events it left."""
+    """How an integration ended, when [s], and how many ledger rows and events it left."""
 
     how: int
     when: float
@@ -773,7 +774,7 @@ class Ended(NamedTuple):
 
     @staticmethod
     def of(how: int, record: RunRecord) -> Ended:
-        """What a march that returned `how` has noted."""
+        """What an integration that returned `how` has noted."""
         when, rows, events = record.ended
         return Ended(how, float(when), int(rows), int(events))
 
@@ -807,7 +808,7 @@ def collocate(
     top_level = levels_for(compiled.halvings) - 1
     if finer:
         end = compiled.n_samples << compiled.halvings
-        longest = 4 * max(end // LEDGER_ROWS, 1)  # as the march has it, for its ledger
+        longest = 4 * max(end // LEDGER_ROWS, 1)  # as the integration has it, for its ledger
         top_level = max(min(top_level, longest.bit_length() - 1) - finer, 0)
     steps = CollocationSteps(compiled.halvings, top_level, tolerance * ERROR_BUDGET, MAX_STEPS, report_steps(system))
     how = integrate(system, state, tables, collocation_workspace(system), record, steps)

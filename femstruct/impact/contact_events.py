@@ -80,7 +80,7 @@ class RunRecord(NamedTuple):
     rows_z, rows_v [rows, k] : where oscillators in place of coupled modes are at the ledger rows, else empty.
     moments [r, cells + 2] : of what pushes, on a grid of times `spacing` [1] s apart, where it is asked for, else of no
     columns; shares [STAGES] : room for them.
-    stop [1] : not zero when the march shall end at once. ended : WHEN [s], ledger ROWS, EVENTS.
+    stop [1] : not zero when the integration shall end at once. ended : WHEN [s], ledger ROWS, EVENTS.
     """
 
     at: Counts
@@ -211,7 +211,7 @@ def motion_of(record: RunRecord, system: System, halvings: int, tables: Tables, 
 
 @kernel
 def ended(record: RunRecord, how: int, when: float, rows: int, events: int) -> int:
-    """Note how a march ended."""
+    """Note how an integration ended."""
     record.ended[WHEN], record.ended[ROWS], record.ended[EVENTS] = when, rows, events
     return how
 
@@ -454,8 +454,8 @@ def apply_blow(
 # Which closings and openings count: those that lead farther than displacements are known.
 #
 # A contact that grazes opens and closes for rounding, and one that decays does so for ever: how often depends on the
-# march. So an event counts when, before its contact's next one, the indentation after a closing or the gap after an
-# opening exceeds RESOLVED of what the displacement was summed from so far. The others are not reported.
+# integration. So an event counts when, before its contact's next one, the indentation after a closing or the gap after
+# an opening exceeds RESOLVED of what the displacement was summed from so far. The others are not reported.
 # ----------------------------------------------------------------------------------------------------------------------
 
 OPENS, CLOSES = 0, 1
@@ -533,7 +533,7 @@ def settle_events(record: RunRecord, count: int, interfaces: int) -> int:
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# What both marches keep account of: how they end, their trials, the ledger's drift, closings and openings.
+# What both integrations keep account of: how they end, their trials, the ledger's drift, closings and openings.
 # ----------------------------------------------------------------------------------------------------------------------
 
 DONE, TOO_MANY_STEPS, NO_FORCES, TOO_MANY_EVENTS, STICKS, STALLS, STOPPED = 0, 1, 2, 3, 4, 5, 6
@@ -567,7 +567,7 @@ def store_row(index: int, state: State, record: RunRecord) -> None:
 
 @kernel
 def may_continue(record: RunRecord, max_steps: int) -> int:
-    """Count a trial; DONE while there may be one, else why the march ends."""
+    """Count a trial; DONE while there may be one, else why the integration ends."""
     if record.totals[TRIALS] >= max_steps:
         return TOO_MANY_STEPS
     record.totals[TRIALS] += 1.0

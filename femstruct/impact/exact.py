@@ -1,4 +1,4 @@
-"""The exact march: power series of the present regime, cut at the first event, until the end."""
+"""The exact integration: power series of the present regime, cut at the first event, until the end."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ from femstruct.impact.propagation import (
 )
 
 # ----------------------------------------------------------------------------------------------------------------------
-# Constants of the exact march, and its work space.
+# Constants of the exact integration, and its work space.
 # ----------------------------------------------------------------------------------------------------------------------
 
 ORDER = 26  # of the power series of a step
@@ -107,7 +107,7 @@ def _bernstein(degree: int) -> Floats:
 
 
 class ExactWorkspace(NamedTuple):
-    """Work space of one march, used by every step: nothing is allocated on the way.
+    """Work space of one integration, used by every step: nothing is allocated on the way.
 
     z [ORDER + 1, n] : power series of the coordinates over the step, in parts of it; w : of the rates of oscillators in
     place of coupled modes [1/s], else empty. place, rate, force [r, ORDER + 1]
@@ -141,7 +141,7 @@ class ExactWorkspace(NamedTuple):
 
 
 def exact_workspace(system: System) -> ExactWorkspace:
-    """Work space for marches of a system of this size."""
+    """Work space for integrations of a system of this size."""
     n, r, m, size = len(system.omega), len(system.rows), len(system.interfaces), ORDER + 1
     return ExactWorkspace(
         z=np.zeros((size, n)),
@@ -835,13 +835,13 @@ def largest(c: Floats, known: float, order: int, rule: ExactRule, slope: Floats)
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# The exact march.
+# The exact integration.
 # ----------------------------------------------------------------------------------------------------------------------
 
 
 class ExactSteps(NamedTuple):
-    """How a march chooses its steps. end [s]; interval [s] : of the samples, and the longest step while a load acts;
-    longest [s] : the longest step, and how far apart ledger rows may be otherwise; max_steps : tried at most."""
+    """How an integration chooses its steps. end [s]; interval [s] : of the samples, and the longest step while a load
+    acts; longest [s] : the longest step, and how far apart ledger rows may be otherwise; max_steps : tried at most."""
 
     end: float
     interval: float
@@ -1092,24 +1092,26 @@ def _confirm_step(
 
 
 # ----------------------------------------------------------------------------------------------------------------------
-# Which march a scene takes: a pure function of its laws, its structure and its window.
+# Which integration a scene takes: a pure function of its laws, its structure and its window.
 # ----------------------------------------------------------------------------------------------------------------------
 
 MOST_STEPS = 3000
 
 
 def is_piecewise_linear(system: System, duration: float) -> bool:
-    """Whether a system is piecewise linear and its exact march, of THETA / (largest rate) a step, is no slower one.
+    """Whether a system is piecewise linear and its exact integration, of THETA / (largest rate) a step, is no slower
+    one.
 
     Every law must be linear in each of its states, every load a constant, a half-sine or straight lines that comes
     once, from t = 0 on. Scenes with blows go by collocation.
 
-    Notes: a step of the exact march costs 1.4 us with 2 modes when nothing is sampled; with all samples kept 2 to 6 us
-    up to 30 modes and 17 us with 98, whatever happens in it. One of collocation costs several times that, but it is as
-    long as the forces allow, not the fastest mode, and an opening or a closing takes about 50 of them. Measured with 2,
-    12, 30 and 98 modes, a ball, a damper and a link, with all samples kept: the exact march is 1.2 to 1.6 times faster
-    at 1350 of its steps and 2 to 4 times slower at 6350; a residual vector at 40 kHz that sets the step of a window of
-    0.5 s makes it ten times slower. Up to MOST_STEPS it is taken for its exactness where both take about as long.
+    Notes: a step of the exact integration costs 1.4 us with 2 modes when nothing is sampled; with all samples kept 2 to
+    6 us up to 30 modes and 17 us with 98, whatever happens in it. One of collocation costs several times that, but it
+    is as long as the forces allow, not the fastest mode, and an opening or a closing takes about 50 of them. Measured
+    with 2, 12, 30 and 98 modes, a ball, a damper and a link, with all samples kept: the exact integration is 1.2 to 1.6
+    times faster at 1350 of its steps and 2 to 4 times slower at 6350; a residual vector at 40 kHz that sets the step of
+    a window of 0.5 s makes it ten times slower. Up to MOST_STEPS it is taken for its exactness where both take about as
+    long.
     """
     laws = system.interfaces["straight"].all()
     loads = np.isin(system.loads["kind"], (CONSTANT, HALF_SINE, TABLE)).all()

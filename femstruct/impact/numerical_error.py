@@ -1,4 +1,4 @@
-"""How far a run is from its contact forces and end velocities: the same march at a strict tolerance.
+"""How far a run is from its contact forces and end velocities: the same integration at a strict tolerance.
 
 The difference of two runs is the error of the worse one, as long as the better one is much better; it costs about
 as much as the run, and takes no theory of the steps.
@@ -47,7 +47,7 @@ from femstruct.tags import stored_as
 STRICTER = 100.0
 STRICT = 1e-10  # at the latest here the tolerance limits every step; a loose one need not
 FINER = 1  # halvings of the longest step, for the same reason
-SHORTER = (0.83, 0.7, 0.59)  # of the shortest step of an exact march: others round otherwise; two may agree by luck
+SHORTER = (0.83, 0.7, 0.59)  # of the shortest step of an exact integration: others round otherwise
 STRICTEST = 1e-13  # tolerance below which the steps are those of rounding
 LEAST_ERROR = 1e-13  # of a peak force or a speed: what no tolerance takes away
 FAINT = 1e-9  # of the largest force or speed of all: one below is rounding of the others, and is compared with that
@@ -74,9 +74,9 @@ class Resolved:
 class ErrorEstimate:
     """What a run is wrong by: peak forces [N] by contact, velocities at the end of the window [m/s] by body.
 
-    tolerance : of the run, None for an exact march, whose error is rounding alone; against : of the run it was compared
-    with, None where it was not. first_peak : of the contacts that closed before any contact closed again; peak : of the
-    whole window. first_until [s] : when a contact closed again; the end of the window when none did.
+    tolerance : of the run, None for an exact integration, whose error is rounding alone; against : of the run it was
+    compared with, None where it was not. first_peak : of the contacts that closed before any contact closed again; peak
+    : of the whole window. first_until [s] : when a contact closed again; the end of the window when none did.
     """
 
     tolerance: Annotated[float | None, Reported("1", "Tolerance of the run, none of exact integration")]
@@ -88,7 +88,7 @@ class ErrorEstimate:
 
     @property
     def exact(self) -> bool:
-        """Whether the error is rounding alone: the march takes no steps that could be wrong."""
+        """Whether the error is rounding alone: the integration takes no steps that could be wrong."""
         return self.tolerance is None
 
 
@@ -100,10 +100,11 @@ def error_of(response: Response) -> ErrorEstimate:
 
     Notes: after the first impact a window may be chaotic: then the error at its end says that its end is not to be
     known, while the first peaks hold. The longest step is halved too, since a loose tolerance may not be what limits
-    the steps. An exact march has no steps to be wrong, only rounding: its error is the largest difference to three
-    marches in shorter steps, which round otherwise, and the residual of its energy ledger. The ledger alone misses what
-    a grazing contact or many collisions make of rounding; marches without samples are short. Measured on 200 random
-    impacts (`tests/against/test_impact_hertz.py`) and against 40 digits (`tests/against/test_impact_exact.py`).
+    the steps. An exact integration has no steps to be wrong, only rounding: its error is the largest difference to
+    three integrations in shorter steps, which round otherwise, and the residual of its energy ledger. The ledger alone
+    misses what a grazing contact or many collisions make of rounding; integrations without samples are short. Measured
+    on 200 random impacts (`tests/against/test_impact_hertz.py`) and against 40 digits
+    (`tests/against/test_impact_exact.py`).
 
     A ball of 1 kg on a wall by Hertz: the peak is k (5 m v^2 / 4 k)^(3/5).
 
@@ -139,8 +140,8 @@ Peaks = Mapping[str, tuple[float, float]]  # largest forces [N] and their times 
 
 
 class _Run(NamedTuple):
-    """One march: peaks of the whole window, velocities [b] at the end [m/s]; log : when, which contact, whether it
-    closes. until [s] : when a contact closes again, None if never; first : peaks until then."""
+    """One integration: peaks of the whole window, velocities [b] at the end [m/s]; log : when, which contact, whether
+    it closes. until [s] : when a contact closes again, None if never; first : peaks until then."""
 
     ended: bool
     peak: Peaks
@@ -164,10 +165,10 @@ def _of(response: Response) -> _Run:
 
 @dataclass(frozen=True, eq=False)
 class _Again:
-    """A scene to be marched once more, at a tolerance; None for the exact march, then without samples.
+    """A scene to be integrated once more, at a tolerance; None for the exact integration, then without samples.
 
-    tables : shared by all marches of the scene. finer : halvings of the longest step of collocation; shorter : steps of
-    the exact march, of the shortest it would take.
+    tables : shared by all integrations of the scene. finer : halvings of the longest step of collocation; shorter :
+    steps of the exact integration, of the shortest it would take.
     """
 
     compiled: Compiled
@@ -182,7 +183,7 @@ class _Again:
         return self.with_first(self._integrate(MOST_EVENTS))
 
     def with_first(self, whole: _Run) -> _Run:
-        """The same run and its first peaks; peaks are those since the start, so they may take a shorter march."""
+        """The same run and its first peaks; peaks are those since the start, so they may take a shorter integration."""
         preloaded, seen = {contact.name for contact in self.scene.contacts if contact.preload > 0.0}, set()
         for number, (t, name, closes) in enumerate(whole.log):
             if closes and name in seen:
@@ -224,7 +225,7 @@ class _Again:
         names = {a: name for name, rows in compiled.contacts.items() for a in rows}
         k, count = system.n_modes, ended.events
         if ended.how == TOO_MANY_EVENTS:
-            record.events[record.newest[record.newest >= 0], COUNTS] = CERTAIN  # what they lead to is not marched
+            record.events[record.newest[record.newest >= 0], COUNTS] = CERTAIN  # what they lead to is not integrated
             count = settle_events(record, count, len(system.interfaces))
         run = _Run(
             ended=ended.how == DONE,
@@ -303,12 +304,12 @@ def _compared(
 
 UNRESOLVED = 1e-3  # of a peak force: what its estimated error may be; told from there on
 NOT_TRUSTED = 1e-2  # and severe from here on
-ASKED = 0.1  # share of an asked accuracy that the march may take
+ASKED = 0.1  # share of an asked accuracy that the integration may take
 
 
 def unresolved_findings(errors: ErrorEstimate, within: float | None = None) -> tuple[Finding, ...]:
-    """Contacts whose peak force the march may miss by more than 0.1 %, or by a tenth of the accuracy that is asked
-    for; a body whose velocity at the end it may miss by more than 1 % of its largest.
+    """Contacts whose peak force the integration may miss by more than 0.1 %, or by a tenth of the accuracy that is
+    asked for; a body whose velocity at the end it may miss by more than 1 % of its largest.
 
     Parameters
     ----------

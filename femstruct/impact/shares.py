@@ -30,8 +30,9 @@ def dashpot_losses(response: Response) -> tuple[float | None, float]:
 
     They are a part of `EnergyBalance.lost_modes`.
 
-    Notes: the march books all damping of the structure as one term, exactly. The share of the dashpots in it is that of
-    their power in the power of all damping, both summed over the samples, which cancels most of what samples miss.
+    Notes: the integration books all damping of the structure as one term, exactly. The share of the dashpots in it is
+    that of their power in the power of all damping, both summed over the samples, which cancels most of what samples
+    miss.
     """
     basis, ledger = response.basis, response.ledger
     if not basis.dashpots.any():

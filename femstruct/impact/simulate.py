@@ -153,7 +153,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
     (`femstruct.modal.coupled_damping`): these are made once for a basis, and a run then takes up to three times as long
     as with modes that nothing couples. Where hundreds creep back, as over wool, sums of few exponentials stand for
     them, good to 1e-11. Closings and openings within rounding are not reported
-    (`femstruct.impact.contact_events`). The march runs beside the thread that waits
+    (`femstruct.impact.contact_events`). The integration runs beside the thread that waits
     for it, so that Ctrl-C ends it at once.
 
     A ball of 1 kg strikes a wall through a spring of pi^2 N/m: half a period of contact, 1 s.
@@ -219,7 +219,7 @@ def simulate(basis: ModalBasis, scene: Scene, clock: Clock) -> Response:
 
 
 def _not_converged(end: Ended, compiled: Compiled, state: State, clock: Clock) -> NotConverged:
-    """Why a march ended before the window did, and the contact to look at."""
+    """Why an integration ended before the window did, and the contact to look at."""
     when = f"t = {end.when:g} s"
     trouble = {
         TOO_MANY_STEPS: f"{MAX_STEPS} steps by {when}",
@@ -282,7 +282,7 @@ def _bodies(scene: Scene, compiled: Compiled, motion: Motion, state: State, push
 
 
 def _exactly(compiled: Compiled, clock: Clock, state: State, record: RunRecord) -> tuple[Ended, Motion]:
-    """The march of piecewise-linear systems; its ledger has no fewer than LEDGER_ROWS."""
+    """The integration of piecewise-linear systems; its ledger has no fewer than LEDGER_ROWS."""
     system, nt = compiled.system, compiled.n_samples
     end = nt / clock.sampling
     steps = ExactSteps(end, interval=1.0 / clock.sampling, longest=end / LEDGER_ROWS, max_steps=MAX_STEPS)
@@ -292,7 +292,7 @@ def _exactly(compiled: Compiled, clock: Clock, state: State, record: RunRecord) 
 
 
 def _by_collocation(compiled: Compiled, clock: Clock, state: State, record: RunRecord) -> tuple[Ended, Motion]:
-    """The march for laws that are not linear."""
+    """The integration for laws that are not linear."""
     system = compiled.system
     tables = tabulated(system, levels_for(compiled.halvings), collocation_rule())
     ended = collocate(compiled, clock.tolerance, tables, state, record)
@@ -381,7 +381,7 @@ def _judged(
     residual : float
         Of the ledger.
     tick : float [s]
-        The shortest step, 0 for a march without one.
+        The shortest step, 0 for an integration without one.
     """
     rows = compiled.contacts.items()
     return JudgedRun(

@@ -149,7 +149,8 @@ def trust(result: StudyResult) -> list[str]:
 
 
 def _all_small(one: ErrorEstimate, alike: Sequence[ErrorEstimate]) -> str:
-    """One sentence for all cases that the march is done with for every purpose; their own numbers are in the files."""
+    """One sentence for all cases that the integration is done with for every purpose; their own numbers are in the
+    files."""
     kind = "estimated error, rounding only" if one.exact else "estimated error of the steps"
     return f"{kind}: peak forces and end velocities at most {_largest(alike):.1e} off{_against(one)}"
 
@@ -201,7 +202,7 @@ def accuracy(check: AccuracyCheck) -> str:
 
 
 def errors(found: ErrorEstimate) -> str:
-    """What the march may leave the worst peak force and the worst end velocity wrong by, as shares."""
+    """What the integration may leave the worst peak force and the worst end velocity wrong by, as shares."""
     first, whole, speed = (_worst(numbers) for numbers in (found.first_peak, found.peak, found.velocity))
     forces = f"peak forces {whole}"
     if first and first != whole:

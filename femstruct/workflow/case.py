@@ -140,9 +140,9 @@ Timed = Callable[[str], AbstractContextManager[object]]
 
 @dataclass(frozen=True, eq=False)
 class DropRun:
-    """One simulation: the motion and what the march leaves it wrong by, None where nobody asked, the pressures, the
-    levels by "ROOM.RECEIVER", the levels of every room that is to be rated {room: [receivers: {band: [dB]}]}, reasons
-    to trust it less, and what striking bodies are heard themselves."""
+    """One simulation: the motion and what the integration leaves it wrong by, None where nobody asked, the pressures,
+    the levels by "ROOM.RECEIVER", the levels of every room that is to be rated {room: [receivers: {band: [dB]}]},
+    reasons to trust it less, and what striking bodies are heard themselves."""
 
     response: Response
     errors: ErrorEstimate | None
@@ -191,7 +191,7 @@ def simulate_drops(
     """
     first = next(iter(studies.values()))
     needed = units_of(basis, build_scene(first, places, basis), clock_of(time))
-    if not have(needed):  # others than the laws of its contacts told: fast modes take another march
+    if not have(needed):  # others than the laws of its contacts told: fast modes take another integration
         with stage("kernels"), compilation(needed) as running:
             running.wait()
     with stage("impact"):
@@ -377,7 +377,7 @@ def evaluate_history(
 
 def run_impact(case: Case, key: str, places: Places, basis: ModalBasis, scene: Scene) -> CaseResult:
     """A case of one impact: its history and what follows from that, without rooms, frequency responses and steady
-    vibration, and without an estimate of the march's error.
+    vibration, and without an estimate of the integration's error.
 
     Raises what simulating and recording raise.
 
@@ -441,7 +441,7 @@ def run_case(
     transfers : RoomTransfers
         Of rooms computed before.
     estimated : bool
-        Whether the error of the march is.
+        Whether the error of the integration is.
     """
     study, own = case.study, solved[case.name]
     with clock("damping", case.name):

@@ -299,7 +299,7 @@ class Trials:
         return replace(self._trials[key], values=values)
 
     def findings(self, values: Values) -> tuple[Finding, ...]:
-        """What is to be known of the structure, or of the run with the error of its march, with these values."""
+        """What is to be known of the structure, or of the run with the error of its integration, with these values."""
         if self.needs.run:
             source = self._read(values)
             assert isinstance(source, Plan)
@@ -392,7 +392,7 @@ class Trials:
         Parameters
         ----------
         estimated : bool
-            Whether the error of its march is, by a second simulation.
+            Whether the error of its integration is, by a second simulation.
         """
         plan = plan if self.needs.rooms else without_rooms(plan)
         case = next(one for one in plan.cases if one.name == plan.baseline)
