@@ -167,9 +167,9 @@ class CaseResult:
     shares : the structure's energy by modes; errors : what the integration leaves wrong in forces and end velocities;
     both None when nothing was simulated. drops : by place ("drops.2"), where a source strikes several: response,
     channels, rooms, levels, shares and errors are those of the first, rated is of all. Empty for one place.
-    by_surface : of rooms that several surfaces move, what each gives the air, by "ROOM". evaluations : of recorded histories, by
-    kind and name ("shock_spectra", "foot"). vibration : what came of harmonic and random excitations, fatigue :
-    rainflow cycles and their damage, sources : what measured sources do in place, by name.
+    by_surface : of rooms that several surfaces move, what each gives the air, by "ROOM". evaluations : of recorded
+    histories, by kind and name ("shock_spectra", "foot"). vibration : what came of harmonic and random excitations,
+    fatigue : rainflow cycles and their damage, sources : what measured sources do in place, by name.
     """
 
     case: Case
