@@ -6,6 +6,7 @@ A case's model has a "study" and its "structure"; `floor_of` and `room_of` read 
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 from math import log10, pi, sqrt
 from typing import Any, Final
@@ -353,23 +354,27 @@ def _(rng: np.random.Generator) -> Case:
 
 @capability("levels by energies: modes in bands, scatter, what is filled", "independent", slow=True)
 def _(rng: np.random.Generator) -> Case:
-    """Of one plate with bands beyond its modes filled, and left blank as is asked."""
+    """Of one plate with bands beyond its modes filled, and left blank as is asked; what the finding says of them."""
     model = studied(rng, str(rng.choice(["tapping machine", "rubber ball", "bang machine"])), _kind(rng))
 
     def asked(model: Model, door: Door) -> Floats:
-        rated = _told(model, door)
+        case = answer_of(model, door)
+        rated, found = case["rated"]["room"], {one["code"]: one["values"] for one in case["findings"]}
+        said = [found["statistical-bands"][key] for key in ("bands", "first_hz", "scatter_db", "few_modes")]
         room = model["study"]["rooms"]["room"] | {"beyond_modes": "blank"}
         left = _told(model | {"study": model["study"] | {"rooms": {"room": room}}}, door)
         told = rated["statistical"]
         words = [_FROM.index(one) for some in (rated, left) for one in some["bands_from"].values()]
         none = [float(left[key] is None) for key in ("statistical", "statistical_agreement")]
         blank = [len(left["bands_db"]) - sum(one is None for one in left["bands_db"].values())]
-        return np.array([*_numbers(told["modes"]), *_numbers(told["scatter_db"]), *words, *none, *blank]) + 1
+        return np.array([*_numbers(told["modes"]), *_numbers(told["scatter_db"]), *words, *none, *blank, *said]) + 1
 
     def right(model: Model, _: Door) -> Floats:
         modes, scatter = counts_of(model)
-        words = [*np.where(modes >= 1, 1, 2), *[2] * len(modes)]
-        return np.array([*modes, *scatter, *words, 1, 1, 0]) + 1
+        words, filled = [*np.where(modes >= 1, 1, 2), *[2] * len(modes)], modes >= 1
+        first = list(thirds_of(model))[int(np.argmax(filled))]
+        said = [filled.sum(), first, scatter[filled].max(), (filled & (modes < MANY)).sum()]
+        return np.array([*modes, *scatter, *words, 1, 1, 0, *said]) + 1
 
     return Case(model, asked, right, 1e-8, _EXACT, each=True)
 
@@ -413,3 +418,78 @@ def _(rng: np.random.Generator) -> Case:
         return np.array([n, off.mean(), off.std(ddof=1) if n > 1 else 0.0, allowed])
 
     return Case(_dense(rng), asked, right, 2e-3, _BESIDE)
+
+
+# ---- floors that have none
+
+
+def _with_a_mass(model: Draft, _: np.random.Generator) -> None:
+    a, b = _whole(model["structure"])
+    model["structure"]["points"]["w"] = {"on": "p", "at": [0.4 * a, 0.3 * b]}
+    model["structure"]["parts"]["load"] = {"type": "mass", "at": "w", "mass": 40.0}
+
+
+def _sprung(model: Draft, rng: np.random.Generator) -> None:
+    held = model["structure"]["supports"]
+    name = str(rng.choice(list(held)))
+    del held[name]["fix"]
+    held[name]["stiffness"] = {"z": between(rng, 1e7, 1e9)}
+
+
+def _askew(model: Draft, rng: np.random.Generator) -> None:
+    part = model["structure"]["parts"]["p"]
+    h = part.pop("thickness", 0.0) or sum(one[1] for one in part["layers"])
+    part.pop("material", None)
+    model["structure"]["materials"]["m"] = {**_material(rng, True), "loss_factor": 0.03}
+    model["structure"]["materials"].pop("n", None)
+    part["layers"] = [["m", h, f"{even(rng, 5, 85)} deg"]]
+
+
+def _smeared(model: Draft, rng: np.random.Generator) -> None:
+    part, D = model["structure"]["parts"]["p"], between(rng, 1e6, 1e7)
+    for key in ("material", "layers"):
+        part.pop(key, None)
+    part |= {"thickness": 0.2, "smeared": {"D": [D, D / 2, D / 10, D / 5], "S": [D * 20, D * 10], "mass": 90.0,
+                                           "loss_factor": 0.03}}  # fmt: skip
+    model["structure"]["materials"] = {}
+
+
+def _undamped(model: Draft, _: np.random.Generator) -> None:
+    model["structure"]["damping"] = {"from": "materials"}
+    for one in model["structure"]["materials"].values():
+        one.pop("loss_factor", None)
+
+
+def _pushed(model: Draft, rng: np.random.Generator) -> None:
+    a, b = _whole(model["structure"])
+    model["structure"]["points"]["w"] = {"on": "p", "at": [0.4 * a, 0.3 * b]}
+    push = {"amplitude": even(rng, 10, 100), "frequency": even(rng, 20, 200)}
+    model["study"]["loads"] = {"push": {"at": "w.z", "half_sine": push}}
+
+
+_OTHERS: Final = (_with_a_mass, _sprung, _askew, _smeared, _undamped, _pushed)
+
+
+@capability("levels by energies: floors that have none", "limit", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """A plate as it is; with a mass on it, an edge on springs, layers askew, smeared rigidities, no losses, another
+    force beside: no level by energies, and blank bands."""
+    plain = studied(rng, "rubber ball", _kind(rng))
+    models = {"plain": plain}
+    for change in _OTHERS:
+        models[change.__name__] = copy.deepcopy(plain)
+        change(models[change.__name__], rng)
+
+    def asked(models: Model, door: Door) -> Floats:
+        told = [_told(model, door) for model in models.values()]
+        return np.array([[one["statistical"] is None, *_blank(one)] for one in told], float)
+
+    def right(models: Model, _: Door) -> Floats:
+        few = counts_of(models["plain"])[0] < 1
+        return np.array([[0, *few], *[[1] * (1 + len(few))] * len(_OTHERS)], float)
+
+    return Case(models, asked, right, 1e-9, "yes or no")
+
+
+def _blank(rated: Mapping[str, Any]) -> list[bool]:
+    return [one == "blank" for one in rated["bands_from"].values()]
