@@ -434,6 +434,28 @@ STRUCTURE: Final = (
         "Leave out the reach where slabs, shells and frames touch: they are joined wherever they do.",
     ),
     Entry(
+        "joint-inside-cells",
+        "A slab or shell is too stiff where a wall stands on it between the lines of its cells.",
+        LIMITS,
+        "edges of a shell are joined to the insides of cells of another, rotations held, and a frequency can be too "
+        "high by more than the threshold; the plate beside the line is taken as held at its far ends, which is the "
+        "most that it can be",
+        "Let a line of cells run under the wall: name both ends of its foot in 'through' of the slab, or mesh the "
+        "shell so. Or take smaller cells: the error goes with their width.",
+        (
+            Threshold(1e-2, "of a frequency", "the usual error of a mesh", CHOSEN, "joint_findings.STIFFER_NOTABLE"),
+            Threshold(
+                5e-2,
+                "of a frequency",
+                "more than materials are known to",
+                CHOSEN,
+                "joint_findings.STIFFER_SEVERE",
+                forbids=True,
+            ),
+        ),
+        forbids="frequencies can be more than 5 % too high",
+    ),
+    Entry(
         "stiff-layer",
         "The layer is so stiff in shear that the plates that it touches are too stiff in bending.",
         LIMITS,

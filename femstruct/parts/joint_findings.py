@@ -19,10 +19,10 @@ from femstruct.model.flat_cells import area_vectors
 from femstruct.model.model import Model, places_of
 from femstruct.model.part import Meshed
 from femstruct.model.plates_and_bars import coincident_pairs, joined_nodes
-from femstruct.model.regions import distance_to_rectangle, to_rectangle
+from femstruct.model.regions import distance_to_rectangle, distance_to_segments, to_rectangle
 from femstruct.model.structure import Joint
 from femstruct.model.supports_and_joints import SharedNodes, shared_nodes
-from femstruct.model.unlike_meshes import bow_between, off_near
+from femstruct.model.unlike_meshes import bow_between, off_near, rim_of
 from femstruct.parts.foundation import Foundation
 from femstruct.parts.plate import plates_of
 from femstruct.parts.spring import Spring
@@ -34,6 +34,7 @@ from femstruct.parts.spring import Spring
 FREE = 1e-6  # of what the supports resist most: a rigid motion they resist by less is free
 TOUCHING = 1e-6  # of the structure's size
 MOST_ROWS = 1000
+STIFFER_NOTABLE, STIFFER_SEVERE = 1e-2, 5e-2  # of a frequency
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,6 +292,7 @@ def joint_open_findings(model: Model) -> tuple[Finding, ...]:
         found += _at_a_point(joint, model, joined)
         for one, other in _that_can_lie(joint, model):
             found += _armed(joint, model, one, other) if joint.reach else _open(joint, model, one, other, joined)
+            found += [] if joint.reach else _inside_cells(joint, model, one, other)
     return tuple(found)
 
 
@@ -411,6 +413,52 @@ def _open(joint: Joint, model: Model, one: Meshed, other: Meshed, joined: Intege
         unit = lying.unit.replace("^", "")
         values |= {f"open_{unit}": lying.open, f"touching_{unit}": lying.all}
     return [Finding("joint-open", message, values, severe=True)]
+
+
+def _inside_cells(joint: Joint, model: Model, one: Meshed, other: Meshed) -> list[Finding]:
+    """Edges of shells that stand on cells of another between the lines of these.
+
+    Rotations are linear across a cell of width h, where those of a plate that gets a moment M at a line in it have a
+    kink there: with the shares s and 1 - s of the width on both sides it turns by M h s (1 - s) / D more than its nodes
+    say. The plate itself, held at its far ends a and b from the line, resists with K = 3 D (1 / a + 1 / b), so that
+    what is said here bounds how much a frequency is too high: by sqrt(1 + K h s (1 - s) / D) - 1.
+    """
+    if joint.kind != "rigid" or set(joint.stiffness) & {"rx", "ry", "rz"}:
+        return []
+    if one.edges_of_cells is None or other.edges_of_cells is None:
+        return []
+    on = np.zeros(len(model.mesh.points), dtype=bool)
+    touch = _touching(joint, model, one, other, np.zeros(0, dtype=np.int64))
+    on[touch.on] = True
+    edges = one.edges_of_cells[on[one.edges_of_cells].all(axis=1)]
+    ends, start, end = model.mesh.points[edges], *np.moveaxis(model.mesh.points[rim_of(other)], 1, 0)
+    beside = [distance_to_segments(middle, start, end)[0].min(initial=np.inf) for middle in ends.mean(axis=1)]
+    ends = ends[np.array(beside) > touch.within]  # along a rim chords of curves lie beside each other
+    if not len(ends) or on[one.quads].all(axis=1).any():
+        return []
+    middles, along = ends.mean(axis=1), ends[:, 1] - ends[:, 0]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    corners = model.mesh.points[other.motion_on_cells(middles)[0]]  # [e, 4, 3]
+    away = corners - middles[:, None]
+    away -= np.einsum("ekd,ed->ek", away, along)[..., None] * along[:, None]
+    each, farthest = np.arange(len(ends)), np.linalg.norm(away, axis=2).argmax(axis=1)
+    across = away[each, farthest]
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    sides = np.einsum("ekd,ed->ek", away, across)
+    width, share = np.ptp(sides, axis=1), -sides.min(axis=1) / np.ptp(sides, axis=1)
+    reach = np.einsum("nd,ed->en", other.places, across) - (middles * across).sum(axis=1)[:, None]
+    spans = np.abs(np.stack([reach.min(axis=1), reach.max(axis=1)])).clip(min=width)
+    stiffer = np.sqrt(1.0 + 3.0 * width * share * (1.0 - share) * (1.0 / spans).sum(axis=0)) - 1.0
+    worst = int(stiffer.argmax())
+    if stiffer[worst] <= STIFFER_NOTABLE:
+        return []
+    message = (
+        f"{joint.name}: {one.name} stands on {other.name} inside its cells, at {share[worst]:.2g} of a width of "
+        f"{1e3 * width[worst]:.3g} mm: {other.name} bends there too little, and frequencies can be up to "
+        f"{100 * stiffer[worst]:.2g} % too high"
+    )
+    values = {"share_of_width": float(share[worst]), "width_m": float(width[worst]), "too_high": float(stiffer[worst])}
+    return [Finding("joint-inside-cells", message, values, severe=bool(stiffer[worst] > STIFFER_SEVERE))]
 
 
 class _Lying(NamedTuple):
