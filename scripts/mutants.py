@@ -5,13 +5,12 @@
 Mutants are made by the operators of cosmic-ray (`pip install '.[mutants]'`), in copies of the packages. A subject is
 drawn first (elements, joints, losses, ..), then a place in its code, then one of the operators that apply there:
 large files do not hide small ones. Annotations, decorators, `raise` statements and texts of messages are left out,
-for they change no number; so are the kinds of exceptions that are caught and the `strict` of `zip`. Each mutant meets
-`scripts/verify.py` alone; tests are not run. A first run of the unchanged code keeps its verdicts and which lines
-each capability executes: those that execute the line come first, the quickest before the others; where none does,
-those of its function, of its file, of its subject. Found is what differs from the verdicts of the unchanged code:
-wrong, refused, told or crashed, and what the unchanged code, asked for the same check, does not answer so. What
-survives is listed with its line, to be read: it is equivalent, or a place that
-no check reaches.
+for they change no number; so are assignments to the words of a message (`got`, `expected`, ..), the kinds of exceptions
+that are caught and the `strict` of `zip`. Each mutant meets `scripts/verify.py` alone; tests are not run. A first run
+of the unchanged code keeps its verdicts and which lines each capability executes: those that execute the line come
+first, the quickest before the others; where none does, those of its function, of its file, of its subject. Found is
+what differs from the verdicts of the unchanged code, which is asked for those that were not kept: wrong, refused, told
+or crashed. What survives is listed with its line, to be read: it is equivalent, or a place that no check reaches.
 """
 
 import argparse
@@ -66,7 +65,7 @@ SUBJECTS: Mapping[str, tuple[str, ...]] = {
     "sweeps": ("femstruct/campaign", "femstruct/study/campaigns.py", "femstruct/study/optima.py"),
 }
 
-_DIFFERS: Final = "differs: "  # begins a line of scripts/verify.py about a verdict that is not the kept one
+_WORDS: Final = {"got", "expected", "do", "message"}  # names of what is said, never computed with
 
 # Capabilities of the machine that are for a subject, by parts of their names.
 FIRST: Mapping[str, tuple[str, ...]] = {
@@ -112,6 +111,9 @@ def _spans_without_numbers(source: str) -> list[tuple[tuple[int, int], tuple[int
             found = [node.annotation]
         elif isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
             found = [node]
+        elif isinstance(node, ast.Assign) and all(isinstance(one, ast.Name | ast.Tuple) for one in node.targets):
+            targets = {each.id for one in node.targets for each in ast.walk(one) if isinstance(each, ast.Name)}
+            found = [node.value] if targets and targets <= _WORDS else []
         elif isinstance(node, ast.keyword) and node.arg == "strict":  # of zip: sequences of one length by design
             found = [node.value]
         there = [each for each in found if each is not None]
@@ -177,6 +179,7 @@ def _checked(
     names : capabilities, in this order, all if none. words : more of the command."""
     command = [sys.executable, "scripts/verify.py", "--limit", "60", "--seed", str(options.checks_seed)]
     command += ["--verdicts", str(options.output.resolve() / "verdicts.json"), "-o", str(faults)]
+    command += ["--unchanged", str(TOP)] if tree != TOP else []
     command += [part for name in names for part in ("--named", name)] + list(words)
     try:
         ended = subprocess.run(
@@ -192,21 +195,6 @@ def _checked(
     found = [path.read_text(encoding="utf-8") for path in sorted(faults.glob("*.yaml"))]
     lines = "\n".join([*found, ended.stdout, ended.stderr]).strip().splitlines()
     return "survived" if ended.returncode == 0 else "found", lines
-
-
-def _unchanged_differs(lines: Sequence[str], options: argparse.Namespace) -> bool:
-    """Whether the unchanged code, asked now, answers a check otherwise than a mutant did: not all verdicts are kept. A
-    run that gave no list of what differs is taken as it is."""
-    differing = [line.removeprefix(_DIFFERS).split(" | ") for line in lines if line.startswith(_DIFFERS)]
-    for name, index, verdict in differing:
-        with TemporaryDirectory() as folder:
-            kept = Path(folder) / "verdicts.json"
-            words = ["--named", name, "--only", index, "--limit", "60", "--seed", str(options.checks_seed)]
-            command = [sys.executable, "scripts/verify.py", *words, "--verdicts", str(kept)]
-            subprocess.run(command, cwd=TOP, env=_environment(TOP, options), capture_output=True, check=False)
-            if not kept.exists() or json.loads(kept.read_text(encoding="utf-8")).get(f"{name} {index}") != verdict:
-                return True
-    return not differing
 
 
 def _functions(source: str) -> Iterator[range]:
@@ -266,8 +254,6 @@ def _met(mutant: Mutant, options: argparse.Namespace) -> tuple[Mutant, str, floa
         seconds = options.seconds * {"line": 1.0, "function": 1 / 3, "file": 1.5, "subject": 1.0}[near]
         words = ["--workers", "1", "--until-fault", "--seconds", str(seconds)]
         word, lines = _checked(copy, copy / "faults", options, names, words)
-    if word == "found" and not _unchanged_differs(lines, options):
-        word, lines = "survived", ["the unchanged code answers so, too", *lines]
     difference = difflib.unified_diff(before.splitlines(), code.splitlines(), lineterm="", n=1)
     kept = options.output / f"{word}_{Path(mutant.file).stem}_{mutant.line}_{mutant.occurrence}.txt"
     kept.write_text(

@@ -9,9 +9,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # workers share the cores
@@ -35,6 +37,8 @@ def main() -> int:
     ask.add_argument("--named", action="append", help="a whole name; in the order given")
     ask.add_argument("--verdicts", type=Path, help="of a program before it was changed, from which none may differ; "
                      "written if it is not there")  # fmt: skip
+    ask.add_argument("--unchanged", type=Path, metavar="FOLDER", help="the tree of that program, asked for "
+                     "verdicts on faults that are not kept")  # fmt: skip
     ask.add_argument("--reached", type=Path, help="written: seconds and lines of the packages of each capability; "
                      "needs '.[mutants]'")  # fmt: skip
     ask.add_argument("-o", type=Path, help="folder for models that fail")
@@ -49,15 +53,14 @@ def main() -> int:
     if given.coverage:
         return _coverage(chosen, given.seed, given.seconds, given.count or 2)
     kept = json.loads(given.verdicts.read_text()) if given.verdicts and given.verdicts.exists() else None
-    fault = running.is_fault if kept is None else running.differs(kept)
+    again = None if given.unchanged is None else _asked_of(given.unchanged, given.seed, given.limit)
+    fault = running.is_fault if kept is None else running.differs(kept, again)
     if given.only is not None:
         found = [running.check(one, given.seed, given.only, given.limit) for one in chosen]
     else:
         plan = (given.seed, given.seconds, given.workers, given.count, given.limit, given.until_fault)
         found = running.run(chosen, *plan, fault, given.reached is not None)
     print(f"seed {given.seed}\n{running.table(chosen, found)}")
-    for one in filter(fault, found) if kept is not None else ():
-        print(f"differs: {one.capability} | {one.index} | {one.verdict}")
     for path in running.write(found, given.o) if given.o else ():
         print(f"wrote {path}")
     if given.verdicts and kept is None:
@@ -66,6 +69,22 @@ def main() -> int:
         given.reached.write_text(json.dumps(running.reached(found)))
     checked = any(one.verdict not in ("refused", "generator") for one in found)
     return int(not checked or any(map(fault, found)))
+
+
+def _asked_of(tree: Path, seed: int, limit: float) -> Callable[[running.Checked], str | None]:
+    """What another tree says of a check; None where it says nothing."""
+
+    def verdict(one: running.Checked) -> str | None:
+        with TemporaryDirectory() as folder:
+            kept = Path(folder) / "verdicts.json"
+            words = ["--named", one.capability, "--only", str(one.index), "--seed", str(seed), "--limit", str(limit)]
+            command = [sys.executable, "scripts/verify.py", *words, "--verdicts", str(kept)]
+            environment = {**os.environ, "PYTHONPATH": f"{tree}:{tree / 'scripts'}"}
+            subprocess.run(command, cwd=tree, env=environment, capture_output=True, check=False)
+            found = json.loads(kept.read_text()) if kept.exists() else {}
+        return found.get(f"{one.capability} {one.index}")
+
+    return verdict
 
 
 def _coverage(chosen: Sequence[framework.Capability], seed: int, seconds: float, count: int) -> int:

@@ -205,13 +205,26 @@ def is_fault(one: Checked) -> bool:
     return one.verdict in FAULTS
 
 
-def differs(kept: Mapping[str, str]) -> Callable[[Checked], bool]:
-    """Of a changed program: what the unchanged one was not; kept : its verdicts by capability and index. Of others a
-    fault counts: some draws are refused by the unchanged program, too."""
+def differs(
+    kept: Mapping[str, str], unchanged: Callable[[Checked], str | None] | None = None
+) -> Callable[[Checked], bool]:
+    """Of a changed program: what the unchanged one was not.
+
+    kept : its verdicts by capability and index; unchanged : gives that on a fault that is not kept, or where either was
+    slow, as a busy machine makes anything. Without it such a fault counts.
+    """
+    known, asked = dict(kept), set[str]()
 
     def differing(one: Checked) -> bool:
-        known = kept.get(f"{one.capability} {one.index}")
-        return is_fault(one) if known is None else one.verdict != known
+        key = f"{one.capability} {one.index}"
+        before = known.get(key)
+        if before is None and not is_fault(one):
+            return False
+        doubtful = one.verdict != before and (before is None or "slow" in (before, one.verdict))
+        if unchanged is not None and doubtful and key not in asked:
+            asked.add(key)
+            before = known[key] = unchanged(one) or "no verdict"
+        return one.verdict != before
 
     return differing
 

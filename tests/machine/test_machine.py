@@ -81,6 +81,21 @@ def test_lines_that_checks_of_a_capability_reach_are_put_together() -> None:
     assert running.reached(found) == {"a": {"seconds": 2.0, "lines": {"x.py": [1, 2, 5], "y.py": [7]}}}
 
 
+def test_a_fault_that_the_unchanged_program_has_too_is_no_difference() -> None:
+    """It is asked once, of faults whose verdict is not kept, and where a verdict was about time."""
+    asked: list[tuple[str, int]] = []
+
+    def unchanged(one: running.Checked) -> str:
+        asked.append((one.capability, one.index))
+        return "fault" if one.index == 2 else "right"
+
+    differing = running.differs({"a 0": "right", "a 1": "right"}, unchanged)
+    verdicts = [(0, "right"), (0, "fault"), (2, "fault"), (3, "fault"), (4, "told"), (1, "slow"), (3, "fault")]
+    found = [differing(running.Checked("a", index, verdict)) for index, verdict in verdicts]
+    assert found == [False, True, False, True, False, True, True] and asked == [("a", 2), ("a", 3), ("a", 1)]
+    assert running.differs({})(running.Checked("a", 9, "crashed"))
+
+
 def test_interval_of_a_rate() -> None:
     assert running.interval(0, 100) == pytest.approx((0.0, 1 - 0.025 ** (1 / 100)))  # closed form without faults
     assert running.interval(0, 0) == (0.0, 1.0)
