@@ -58,10 +58,6 @@ class SectionShare:
         matrices = {name: frozen(f"SectionShare {name}", getattr(self, name), (3, 3)) for name in ("A", "B", "D")}
         freeze(self, **matrices, As=frozen("SectionShare As", self.As, (2, 2)))
 
-    def about(self, offset: float) -> SectionShare:
-        """As `PlateSection.about`."""
-        return replace(self, **_about(self, offset))
-
     def turned(self, angle: float) -> SectionShare:
         """As `PlateSection.turned`."""
         return replace(self, **_turned(self, angle))
@@ -132,25 +128,9 @@ class PlateSection:
         """Membrane stiffness along a direction at an angle from x [rad], its sides free to draw in [N/m]: E h."""
         return float(1.0 / np.linalg.inv(laminate.rotate_stiffness(self.A, -angle))[0, 0])
 
-    def about(self, offset: float) -> PlateSection:
-        """The same about a reference surface from which its own is `offset` away along z [m]."""
-        return replace(
-            self,
-            **_about(self, offset),
-            shares=tuple(one.about(offset) for one in self.shares),
-            m1=self.m1 + offset * self.m0,
-            m2=self.m2 + 2.0 * offset * self.m1 + offset**2 * self.m0,
-            low=self.low + offset,
-            high=self.high + offset,
-        )
-
     def turned(self, angle: float) -> PlateSection:
         """The same along axes from which its own x is turned by an angle about z [rad]."""
         return replace(self, **_turned(self, angle), shares=tuple(one.turned(angle) for one in self.shares))
-
-
-def _about(of: PlateSection | SectionShare, offset: float) -> dict[str, Any]:
-    return {"B": of.B + offset * of.A, "D": of.D + 2.0 * offset * of.B + offset**2 * of.A}
 
 
 def _turned(of: PlateSection | SectionShare, angle: float) -> dict[str, Any]:

@@ -13,7 +13,9 @@ import numpy as np
 
 from tests.independent.pistons import Oscillator, PistonBox
 from tests.machine.framework import Case, Door, Floats, Model, capability
+from tests.machine.of_files import deck
 from tests.machine.rooms import between, even, lines_of, losses_of, parts_of, responses, rounded
+from tests.machine.solids import grid, mesh_text
 
 _KNOBS = ("study.rooms.room.losses", "structure.materials.m.rho")  # with another E it is no piston
 _WHY = "a plate of 1e5 times the stiffness of its spring yields 1e-5 of its motion, 3e-4 near the force; 12 x 12 cells"
@@ -131,6 +133,52 @@ def _asked(model: Model, door: Door) -> Floats:
 @capability("rooms: a piston over a box", "independent")
 def _(rng: np.random.Generator) -> Case:
     return Case(scene(rng, "one-way"), _asked, _right, 1e-3, _WHY, _KNOBS)
+
+
+def _as_part(structure: dict[str, Any], kind: str) -> tuple[dict[str, Any], dict[str, str]]:
+    """The structure with its piston as a part of another kind, guided all over, and the mesh file that it names."""
+    plate = structure["parts"]["p"]
+    (a, b), thickness = plate["size"], plate["thickness"]
+    shell: dict[str, Any] = {"type": kind, "material": plate["material"]}
+    low = {"on": "p", "side": "below"}
+    if kind == "slab":
+        shell |= {
+            "thickness": thickness,
+            "outline": [[0, 0], [a, 0], [a, b], [0, b]],
+            "mesh": 0.12,
+            "origin": [0, 0, 0],
+        }
+        guided, texts = ["x", "y", "rx", "ry", "rz"], {}
+    elif kind == "shell":
+        shell |= {"thickness": thickness, "mesh": "p.bdf"}
+        guided, texts = ["x", "y", "rx", "ry", "rz"], {"p.bdf": deck(np.array([a, b]), 12)}
+    else:
+        shell |= {"mesh": "p.msh"}
+        nodes, cells = grid(np.array([a, b, thickness]), (12, 12, 1), "hexahedron")
+        guided, texts = ["x", "y"], {"p.msh": mesh_text(nodes, cells, "hexahedron", "msh")}
+        low["region"] = {"box": [[-1.0, -1.0, -1e-6], [a + 1, b + 1, 1e-6]]}
+    round_it = [[-1.0, -1.0, -1.0], [a + 1, b + 1, 1.0]]
+    spring = structure["parts"]["k"]
+    middle = [a / 2, b / 2] if kind == "slab" else [a / 2, b / 2, 0.0]
+    made = {
+        **structure, "parts": {"p": shell, "k": spring}, "points": {"q": {"on": "p", "at": middle}},
+        "surfaces": {"low": low}, "supports": {"e": {"on": "p", "box": round_it, "fix": guided}},
+    }  # fmt: skip
+    return made, texts
+
+
+@capability("rooms: a piston of a slab, a shell or a solid", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """One that the box knows by its sides, mass and spring alone: its surface is that of another kind of part."""
+    model, kind = scene(rng, "one-way"), str(rng.choice(["slab", "shell", "solid"]))
+
+    def asked(model: Model, door: Door) -> Floats:
+        made, texts = _as_part(dict(model["structure"]), kind)
+        found = responses({**model, "structure": made}, door, **texts)
+        door.told.clear()  # of a stiff part, whatever it is
+        return parts_of(found)
+
+    return Case(model, asked, _right, 1e-3, _WHY, _KNOBS)
 
 
 @capability("rooms: a piston on the air of a box", "independent", slow=True)
