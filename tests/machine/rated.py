@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from math import log10, pi, sqrt
 from typing import Any, Final
 
@@ -230,3 +231,36 @@ def _(rng: np.random.Generator) -> Case:
         return np.array([*rows, *_grade(places), *_inverse_a(places), *spreads, *[0.0, 1.0] * 4])
 
     return Case(_sourced(rng, "bang machine"), asked, right, 1e-6, "curves of JIS A 1419-2 and KS F 2863-2; rounding")
+
+
+@capability("sweeps: levels of a piston over a box", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """Balls of several masses, by full runs or by the engine of many impacts at once, in one process or in two."""
+    model = struck(rng)
+    for key in ("levels", "ensemble"):
+        del model["study"]["rooms"]["room"][key]
+    mass = model["study"]["bodies"]["ball"]["mass"]
+    model["masses"] = [rounded(mass * float(rng.uniform(*one))) for one in ((0.6, 0.9), (1.1, 1.6))]
+    keys = ("l_afmax_db", "l_asmax_db", "l_ae_db")
+    names = [f"levels / room.mic / {key}" for key in keys] if rng.random() < 0.6 else ["room.mic L_AFmax"]
+    workers = str(rng.choice(["1", "2"]))
+
+    def asked(model: Model, door: Door) -> Floats:
+        masses = ",".join(map(repr, model["masses"]))
+        words = ["--vary", f"bodies.ball.mass={masses}", "--workers", workers, "--no-pictures"]
+        words += [word for name in names for word in ("--only", name)] * (len(names) > 1)
+        found = door.ask({"model": "s.yaml", **model["study"]}, "sweep", *words, s=model["structure"])
+        door.told = []  # of a stiff plate
+        return np.array([[row["cases"]["as given"]["numbers"][name] for name in names] for row in found["samples"]])
+
+    def right(model: Model, _: Door) -> Floats:
+        rows = []
+        for one in model["masses"]:
+            other: Any = copy.deepcopy({key: model[key] for key in ("study", "structure")})
+            other["study"]["bodies"]["ball"]["mass"] = one
+            p = levels.passed(heard(other), _RATE, levels.a_filter) ** 2
+            once = 10 * log10(float(p.sum()) / _RATE / levels.P0**2)
+            rows.append([_fast(p, _RATE, 0.125), _fast(p, _RATE, 1.0), once][: len(names)])
+        return np.array(rows)
+
+    return Case(model, asked, right, 3e-4, _WHY)
