@@ -638,7 +638,8 @@ CAVITIES: Final = (
         "The air of a cavity follows the highest motions too fast, because too few of its modes are kept.",
         LIMITS,
         "the modes of the air that are kept end below the threshold share of the frequency that they need to reach: "
-        "twice that of the last mode of the structure, f, or in wool 2 sqrt(f sigma / (2 pi rho)) where that is more",
+        "twice that of the last mode of the structure, f, or where that is more, in loose wool 2 sqrt(f sigma / (2 pi "
+        "rho)), in held wool 5 times this root",
         "Ask for fewer modes of the structure, give the cavity 'up_to: F' with the frequency that is needed, or "
         "name its 'bays' where joists close it.",
         (

@@ -168,6 +168,7 @@ def _(rng: np.random.Generator) -> Case:
     }
     if rng.random() < 0.6:
         cavity["fill"]["thickness"] = rounded(cavity["depth"] * float(rng.uniform(0.3, 0.8)))
-    cavity["up_to"] = 2500.0
+    if rng.random() < 0.5:  # else as far as the program says that it needs
+        cavity["up_to"] = 4000.0
     top = _air_spring(draft)
     return _case(rng, draft, 0.2 * top, 1.5 * top, 0.01, _WOOL)
