@@ -148,8 +148,8 @@ def _(rng: np.random.Generator) -> Case:
     if rng.random() < 0.3:
         draft["materials"]["m"]["loss_factor"] = between(rng, 0.06, 0.12)
         draft["damping"] = {"from": "materials"}
-    # At the corners of clamped and free edges both converge slowly: of 14 draws polynomials of order 13 are up to 2.7e-3
-    # from those of order 9, with an offset or without.
+    # At the corners of clamped and free edges both converge slowly: of 14 draws polynomials of order 13 are up to
+    # 2.7e-3 from those of order 9, with an offset or without.
     return _answers(rng, draft, sides, str(rng.choice(["q.x", "q.z"])) if "offset" in part else "q.z")
 
 
