@@ -13,7 +13,7 @@ from typing import Any, Final
 import meshio
 import numpy as np
 
-from tests.independent.frames import Skeleton, section
+from tests.independent.frames import Skeleton, Tube, section, tip_at_rest
 from tests.independent.linear import Linear
 from tests.independent.solids import Box, isotropic, orthotropic, turned
 from tests.machine.bars import a_material
@@ -257,3 +257,60 @@ def _(rng: np.random.Generator) -> Case:
         draft["supports"] = {}
         return _any(rng, made, 3e-3, _BLOCK + "; at a place of a free face, 3e-3")
     return _any(rng, made, 4e-3, _BLOCK + "; where walls meet a material that leans, 3e-3 at rest")
+
+
+@capability("joints: a bent bar on a rigid solid on springs", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """The solid shifts and turns on springs under its corners, and carries the bar, which is clamped in it."""
+    sides, kind = rng.uniform(0.4, 0.8, 3).round(3), str(rng.choice(["hexahedron", "tetra", "hexahedron20"]))
+    nodes, cells = grid(sides, (2, 2, 2), kind)
+    foot = (sides * [0.5, 0.5, 1.0]).round(6)
+    middle = foot + rng.uniform([-0.3, -0.3, 0.8], [0.3, 0.3, 1.2])
+    end = middle + rng.normal(size=3) * [0.7, 0.7, 0.1] + np.array([0.0, 0.0, 0.5])
+    corners = np.array([foot, middle, end]).round(4)
+    tube = Tube(0.03, float(rng.uniform(0.003, 0.006)), E=between(rng, 7e10, 2.1e11), nu=0.3, rho=7800.0)
+    feet = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * sides
+    stiffness = rng.uniform(2e4, 1e5, 3).round(0)
+    draft: Draft = {
+        "materials": {"hard": {"E": 2e12, "nu": 0.3, "rho": 100.0}, "m": {"E": tube.E, "nu": tube.nu, "rho": tube.rho}},
+        "sections": {"s": {"shape": "tube", "outer": tube.outer, "thickness": tube.thickness}},
+        "parts": {
+            "b": {"type": "solid", "mesh": "b.msh", "material": "hard"},
+            "f": {"type": "frame", "material": "m", "section": "s", "mesh": 0.3, "element": "euler",
+                  "lines": [corners.tolist()]},
+        },
+        "joints": {"j": {"connect": ["f", "b"]}},
+        "points": {"tip": {"on": "f", "at": corners[-1].tolist()}},
+        "damping": {"ratio": 0.01},
+    }  # fmt: skip
+    for k, place in enumerate(feet):
+        draft["points"][f"c{k}"] = {"on": "b", "at": place.round(6).tolist()}
+        draft["parts"][f"k{k}"] = {"type": "spring", "between": [f"c{k}", "ground"],
+                                   "stiffness": dict(zip("xyz", stiffness.tolist(), strict=True))}  # fmt: skip
+    force = np.round(rng.normal(size=3) * 10, 2)
+    text = mesh_text(nodes, cells, kind, "msh")
+
+    def asked(model: Model, door: Door) -> Floats:
+        words = [f"tip.{axis}={float(size)} N" for axis, size in zip("xyz", force, strict=True)]
+        found = door.ask(model, "statics", *(word for one in words for word in ("--force", one)), **{"b.msh": text})
+        _clear(door)
+        door.told[:] = [one for one in door.told if not one.startswith("implausible")]
+        return np.array(found["points"]["tip"])[:3]
+
+    def right(model: Model, _: Door) -> Floats:
+        K, load = np.zeros((6, 6)), np.r_[force, np.cross(corners[-1] - foot, force)]
+        for place in feet:
+            moved = _carried(place - foot)
+            K += moved.T @ np.diag(stiffness) @ moved
+        rides = _carried(corners[-1] - foot) @ np.linalg.solve(K, load)
+        return np.asarray(rides + tip_at_rest(tube, corners - foot, force)[:3])
+
+    return Case(
+        draft, asked, right, 1e-4, "a solid 1e6 times as stiff as springs and bar; bars are exact at their ends"
+    )
+
+
+def _carried(arm: Floats) -> Floats:
+    """Shift [3, 6] of a place on a rigid body by the shift and the turn of another, from which it is `arm` away."""
+    x, y, z = arm
+    return np.hstack([np.eye(3), np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])])
