@@ -46,6 +46,10 @@ def _forms(times: list[float]) -> dict[str, tuple[str, str]]:
         "cp1252": (["Band;T20", "Hz;ms", *down([f"{one} Hz" for one in hertz], milli_commas, mark=";"), "Lin;3,0"], ""),
         "utf-16-le": (["Band\tT20 [s]", *down(kilo_commas, commas, mark="\t")], ""),
         "utf-8 turned": ([";".join(hertz), ";".join(commas)], ""),
+        "cp949": (["측정 3", "주파수 [Hz],잔향시간 [s]", *down(hertz, dots, mark=",")], ""),
+        "cp932": (["測定、三回目", "周波数 [Hz],残響時間 [s]", *down(hertz, dots, mark=",")], ""),
+        "cp1252 accents": (["Mesuré à l'école", "Fréquence;T", *down(hertz, commas, mark=";")], ""),
+        "utf-16-be": (["f [Hz];T20 [s]", *down(hertz, commas, mark=";")], ""),
     }  # fmt: skip
     return {name: ("\n".join([*lines, ""]), column) for name, (lines, column) in tables.items()}
 
