@@ -30,8 +30,9 @@ _GMSH: Final[Mapping[str, Pairs]] = {
     "hex20": ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)),
 }
 _GMSH_TYPE: Final = {"tri3": 2, "quad4": 3, "tet4": 4, "hex8": 5, "tri6": 9, "tet10": 11, "quad8": 16, "hex20": 17}
-_UNV_TYPE: Final = {
-    "tri3": 91, "tri6": 92, "quad4": 94, "quad8": 95, "tet4": 111, "tet10": 118, "hex8": 115, "hex20": 116,
+_UNV_TYPES: Final = {  # plane stress, plane strain, plate, membrane, axisymmetric, thin shell
+    "tri3": (41, 51, 61, 74, 81, 91), "tri6": (42, 52, 62, 72, 82, 92), "quad4": (44, 54, 64, 71, 84, 94),
+    "quad8": (45, 55, 65, 75, 85, 95), "tet4": (111,), "tet10": (118,), "hex8": (115,), "hex20": (116,),
 }  # fmt: skip
 _UNV: Final[Mapping[str, tuple[int | tuple[int, int], ...]]] = {  # a pair is the middle between two corners
     "tri6": (0, (0, 1), 1, (1, 2), 2, (2, 0)),
@@ -134,7 +135,8 @@ def unv(mesh: Meshed, groups: int = 2467) -> str:
         order = _UNV.get(one.kind, tuple(range(CORNERS[one.kind])))
         middle = {frozenset(pair): at + CORNERS[one.kind] for at, pair in enumerate(EDGES.get(one.kind, ()))}
         row = [nodes[step if isinstance(step, int) else middle[frozenset(step)]] for step in order]
-        lines.append("".join(f"{word:10d}" for word in (number, _UNV_TYPE[one.kind], 1, 1, 7, len(row))))
+        types = _UNV_TYPES[one.kind]
+        lines.append("".join(f"{word:10d}" for word in (number, types[number % len(types)], 1, 1, 7, len(row))))
         lines += ["".join(f"{node:10d}" for node in row[k : k + 8]) for k in range(0, len(row), 8)]
     lines += ["    -1", "    -1", f"  {groups}"]
     for at, one in enumerate(mesh.groups, 1):
