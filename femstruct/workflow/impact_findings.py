@@ -42,13 +42,13 @@ from femstruct.model.probe import Probe
 from femstruct.model.structure import Structure
 from femstruct.parts.plate import Plate
 from femstruct.parts.slab import Slab
+from femstruct.sound.floor_blows import LONGEST_S, impact_on_resistance, infinite_plate
 from femstruct.study.acting import PlacedBody, PlannedLoad
 from femstruct.study.asked import RoomPlan
 from femstruct.study.recorded import NET_FORCE, Channel
 from femstruct.study.study import Study
 from femstruct.units import readable_unit
 from femstruct.workflow.bases import Places, planned_contacts
-from femstruct.workflow.rated_floors import LONGEST_S, impact_on_resistance, infinite_plate
 from femstruct.workflow.recorded_channels import CONVERGED, LessStatic, OtherImpulse
 
 # ----------------------------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from femstruct.impact.scene import GROUND, Body, Clock, Contact, Link, Scene
 from femstruct.impact.simulate import simulate
 from femstruct.modal.closed_form import given_modes
 from femstruct.modal.installed_sources import contact_forces
-from femstruct.workflow.rated_floors import blow
+from femstruct.sound.floor_blows import blow
 
 MASS, SPEED = 0.5, 0.886  # of ISO 10140-5
 CONCRETE, CHIPBOARD = 3.84e5, 1620.0  # N s/m

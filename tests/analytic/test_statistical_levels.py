@@ -26,7 +26,7 @@ from acoustics.losses import Losses, losses_from_t60
 from femstruct.impact.scene import RUBBER_BALL
 from femstruct.language.cases import read_study
 from femstruct.laws.linear import Linear
-from femstruct.workflow.rated_floors import blow
+from femstruct.sound.floor_blows import blow
 from femstruct.workflow.run import run_study
 
 MODELS = Path(__file__).parents[2] / "models"

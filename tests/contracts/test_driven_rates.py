@@ -8,8 +8,8 @@ import numpy as np
 
 from femstruct.modal.basis import ModalBasis
 from femstruct.modal.closed_form import given_modes
-from femstruct.workflow import rated_floors as blow_motions
-from femstruct.workflow.rated_floors import coupled_oscillators, driven_rates
+from femstruct.sound import floor_blows as blow_motions
+from femstruct.sound.floor_blows import coupled_oscillators, driven_rates
 
 RNG = np.random.default_rng(7)
 K, PLACES = 24, 5
