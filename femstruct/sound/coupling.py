@@ -25,14 +25,14 @@ from femstruct.sound.placed import Placed
 
 Bools = NDArray[np.bool_]
 NEGLIGIBLE_DAMPING_COUPLING: Final = (
-    1e-3  # of the structure's motion: damping between modes that makes less is left out
+    1e-3  # of the motion of structure and air: damping between modes that makes less is left out
 )
 _LOADS: Final = 8
 _LIGHT: Final = 1e-6
 
 
-def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bools) -> float:
-    """Share of the structure's motion that damping between modes makes: rms over the resonances, under broad loads.
+def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bools, seen: Floats | None = None) -> float:
+    """Share of a motion that damping between modes makes: rms over the resonances, under broad loads on the structure.
 
     damping [k, k] [rad/s]; omega [k].
 
@@ -44,6 +44,8 @@ def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bool
         Motion of the structure in every mode.
     true : Bools [k]
         Has a resonance that means something.
+    seen : Floats | None [p, k]
+        The motion that is looked at in every mode, as that of the air; the structure's if left out.
     """
     between = damping - np.diag(np.diag(damping))
     if not between.any():
@@ -54,7 +56,8 @@ def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bool
     answer = 1.0 / (omega**2 - at**2 + 1j * at * own)
     motion = answer[:, :, None] * loads
     change = answer[:, :, None] * (at[:, :, None] * (between @ motion))
-    sizes = [float(np.linalg.norm(np.tensordot(structure, part, axes=(1, 1)))) for part in (change, motion)]
+    rows = structure if seen is None else seen
+    sizes = [float(np.linalg.norm(np.tensordot(rows, part, axes=(1, 1)))) for part in (change, motion)]
     return sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0
 
 
@@ -178,16 +181,16 @@ def cut(air: CoupledAir, asked_hz: float) -> tuple[Finding, ...]:
 
 
 def what_it_did(
-    basis: ModalBasis, joined: ModalBasis, own: Floats, air: CoupledAir, between: tuple[float, bool], name: str
+    basis: ModalBasis, joined: ModalBasis, own: Floats, air: CoupledAir, between: tuple[float, float, bool], name: str
 ) -> Finding:
     """What the coupling did: the mode that the air stiffens most, before and after.
 
     Parameters
     ----------
-    between : tuple[float, bool]
-        What damping between modes makes of the motion, and whether it is kept.
+    between : tuple[float, float, bool]
+        What damping between modes makes of the motion of the structure and of the air, and whether it is kept.
     """
-    stray, kept = between
+    stray, in_air, kept = between
     added = air.compression[0, : len(basis.omega)][basis.modes] ** 2
     share = np.divide(added, added + basis.omega[basis.modes] ** 2, out=np.zeros_like(added), where=added > 0)
     stiffened = int(share.argmax())
@@ -202,7 +205,7 @@ def what_it_did(
         f"The air of the room ({closed}) reacts on the structure with {n} room modes below {air.complete_below_hz:.4g} "
         f"Hz{also}, the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
         f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the modes are those with the air. Damping "
-        f"between its modes causes {stray:.1e} of the motion of the structure and is "
+        f"between its modes causes {stray:.1e} of the motion of the structure, {in_air:.1e} of that of the air, and is "
         f"{'included' if kept else 'left out'}",
         {
             "in_vacuo_hz": before,
@@ -212,6 +215,7 @@ def what_it_did(
             "cavity_modes": float(n),
             "cavity_modes_up_to_hz": air.complete_below_hz,
             "damping_between_modes": stray,
+            "damping_between_modes_in_air": in_air,
         },
     )
 
@@ -260,9 +264,9 @@ def with_cavity(
     are those of the room, the same that its pressure has. Frequencies are Rayleigh quotients of the energies, summed
     without cancellation. A room without a leak takes away one rigid mode, if any of them displaces volume.
 
-    Damping couples the new modes. Where that makes less than 1e-3 of the structure's motion, and there is no leak and
-    no resistance of a compliant wall, only the diagonal is kept, which halves the time of `simulate`; the finding
-    ``two-way-coupling`` says which, and gives frequencies in vacuo and coupled.
+    Damping couples the new modes. Where that makes less than 1e-3 of the motion of the structure and of that of the
+    air, and there is no leak and no resistance of a compliant wall, only the diagonal is kept, which halves the time of
+    `simulate`; the finding ``two-way-coupling`` says which, and gives frequencies in vacuo and coupled.
     The shapes are not orthonormal with the mass of the structure alone, but with that of structure and air; `holders`
     has what of their energy is the structure's, the air's (with the plug of a leak) and that of walls that yield.
 
@@ -308,9 +312,12 @@ def with_cavity(
     viscous = turn.T @ (pad_rows(viscous, len(turn)) + air.viscous) @ turn
     hysteretic = turn.T @ (pad_rows(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
     hysteretic[:n_rigid, :] = hysteretic[:, :n_rigid] = 0.0
-    stray = coupling_share(in_time(viscous, hysteretic, coupled), coupled, own[basis.modes], ~residual)
+    of_air = turn[k : k + len(air.frequency_hz)] * coupled[None, :]
+    damping = in_time(viscous, hysteretic, coupled)
+    stray, in_air = (coupling_share(damping, coupled, own[basis.modes], ~residual, seen) for seen in (None, of_air))
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
-    kept = stray >= NEGLIGIBLE_DAMPING_COUPLING or leak is not None or bool(basis.volumes) or air.resisted
+    kept = max(stray, in_air) >= NEGLIGIBLE_DAMPING_COUPLING
+    kept = kept or leak is not None or bool(basis.volumes) or air.resisted
     kept = kept or bool(hidden.any())
     kinds: tuple[Kind, ...] = tuple(
         "rigid" if number < n_rigid else "residual" if pseudo else "elastic" for number, pseudo in enumerate(residual)
@@ -331,7 +338,7 @@ def with_cavity(
     )
     first_hz = float(joined.frequency_hz[np.array(kinds) == "elastic"][:1].sum())
     advised = [Finding(one.code, one.message, one.values) for one in room.coupling_advice(first_hz)]
-    findings = (what_it_did(basis, joined, own, air, (stray, kept), name), *cut(air, reach), *advised)
+    findings = (what_it_did(basis, joined, own, air, (stray, in_air, kept), name), *cut(air, reach), *advised)
     return replace(joined, findings=(*basis.findings, *findings))
 
 

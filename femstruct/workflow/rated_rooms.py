@@ -124,15 +124,20 @@ def rate_rooms(
     return found
 
 
+def missed_times(plan: RoomPlan) -> tuple[Advice, ...]:
+    """Reverberation times that the losses of a room do not have, whatever is computed in it."""
+    return t60_missed({f: plan.room.t60(f) for f in plan.t60_asked}, plan.t60_asked)
+
+
 def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice | Finding, ...]:
-    """Reverberation times missed, few places, and blows that the standards do not rate: what takes no modes.
+    """Few places, and blows that the standards do not rate: what takes no modes.
 
     Parameters
     ----------
     drops : int
         At how many places the source strikes.
     """
-    found: list[Advice | Finding] = list(t60_missed({f: plan.room.t60(f) for f in plan.t60_asked}, plan.t60_asked))
+    found: list[Advice | Finding] = []
     method = method_for(plan, study)
     if method is None:
         return tuple(found)

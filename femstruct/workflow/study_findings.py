@@ -25,7 +25,7 @@ from femstruct.study.study import Case, Study
 from femstruct.workflow.bases import MeshedStructure, Places, Solved
 from femstruct.workflow.impact_findings import hammer_findings, load_findings, room_findings, source_unresolved
 from femstruct.workflow.rated_floors import fillable, statistical_plate
-from femstruct.workflow.rated_rooms import method_for, rated_findings
+from femstruct.workflow.rated_rooms import method_for, missed_times, rated_findings
 from femstruct.workflow.recorded_channels import STRESS, orthotropic_findings
 from femstruct.workflow.responses import beyond_modes, undamped_findings
 from femstruct.workflow.structure_findings import structure_findings, structure_findings_before, undamped_motion
@@ -217,6 +217,7 @@ def study_findings(case: Case, places: Places) -> list[Finding]:
     found = [*orthotropic_findings(study.structure, shown)]
     about = [(plan.name, one) for plan in study.rooms for one in flanking_findings(plan, places)]
     about += [(plan.name, one) for plan in study.rooms for one in near_microphones(plan, study, places)]
+    about += [(plan.name, one) for plan in study.rooms for one in missed_times(plan)]
     found += room_findings(about)
     if time is not None:
         found += _preloads_that_add(study)

@@ -83,6 +83,16 @@ def test_times_that_rise_are_told_and_the_modelled_ones_are_used(result: StudyRe
     assert not [one for one in case.findings if one.code in ("rating-beyond-modes", "rating-of-other-blows")]
 
 
+def test_missed_times_are_told_of_responses_along_frequency_too(tmp_path: Path) -> None:
+    study = STUDY[: STUDY.index("bodies:")] + STUDY[STUDY.index("rooms:") :]
+    heard = "frf: {f: {drive: p.z, response: bedroom.mic.1.pressure, kind: pressure, band: [20, 40], step: 10}}"
+    study = study[: study.index("    levels:")] + heard
+    (tmp_path / "model.yaml").write_text(MODEL, encoding="utf-8")
+    (tmp_path / "one.study.yaml").write_text(study.replace("UP_TO", "300 Hz"), encoding="utf-8")
+    (case,) = run_study(read_study(tmp_path / "one.study.yaml")).cases.values()
+    assert [one.code for one in case.findings].count("t60-missed") == 1
+
+
 def test_terminal_tables_and_file_say_the_same(
     result: StudyResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

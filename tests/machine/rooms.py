@@ -233,7 +233,7 @@ def _(rng: np.random.Generator) -> Case:
         place = stated["receivers"]["mic"]
         return parts_of(pressure_of_motion(box, plate, corner, shapes, moved, place, lines))
 
-    return Case(model, _asked, right, 0.02, "modes of plate and air end, both at rest beyond: 0.5 % each", _KNOBS)
+    return Case(model, _asked, right, 0.01, "modes of plate and air end, both at rest beyond: 0.5 % each", _KNOBS)
 
 
 @capability("rooms: pressure per force in the open", "independent")

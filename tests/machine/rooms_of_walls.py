@@ -28,7 +28,7 @@ _ALONG: Final[dict[str, Draft]] = {  # of a wall, by its axis: local axes are th
 }
 _FACING: Final = {"floor": "above", "ceiling": "below", "x0": "x", "x1": "-x", "y0": "y", "y1": "-y"}
 _WHY = "plates yield 4e-5 of their springs' motion near a force; cosines end at 1e-5 of the pressure; 12 x 12 cells"
-_LEFT_OUT = "what damping couples is left out below 1e-3 of the plates' motion, many times that of a peak of the air"
+_LEFT_OUT = "what damping couples is left out below 1e-3 of the motion of plates and air, several times that of a peak"
 _KEPT = "with a leak all damping is kept; cells do not resolve 1e-4 of the mass of the air before a plate, over losses"
 
 
@@ -243,7 +243,7 @@ def _(rng: np.random.Generator) -> Case:
     room = model["study"]["rooms"]["room"]
     room["coupling"] = "two-way"
     if rng.random() < 0.4:
-        return Case(model, _asked, _right, 0.02, _LEFT_OUT)
+        return Case(model, _asked, _right, 5e-3, _LEFT_OUT)
     inertance = room["air"]["rho"] * (room["air"]["c"] / (pi * model["first"])) ** 2 / float(np.prod(room["size"]))
     resistance = inertance * model["first"] * float(rng.uniform(0.1, 1.0))
     room["leak"] = {"inertance": rounded(inertance * float(rng.uniform(1, 4))), "resistance": rounded(resistance)}

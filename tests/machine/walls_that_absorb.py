@@ -156,6 +156,12 @@ def _(rng: np.random.Generator) -> Case:
     room = model["study"]["rooms"]["room"]
     some = sorted(rng.choice([31.5, 63.0, 125.0, 250.0, 500.0, 1000.0], int(rng.integers(2, 6)), replace=False))
     room["losses"] = {"t60": {f"{band:g} Hz": between(rng, 0.3, 2.0) for band in some}}
+    if rng.random() < 0.5:  # responses along frequency alone
+        del model["study"]["time"]
+        (push,) = model["study"].pop("loads").values()
+        mic = next(iter(room["receivers"]))
+        heard = {"drive": push["at"], "response": f"room.{mic}.pressure", "band": [50.0, 60.0], "step": 5.0}
+        model["study"]["frf"] = {"f": {**heard, "kind": "pressure"}}
 
     def asked(model: Model, door: Door) -> Floats:
         said = walls.written(model)
