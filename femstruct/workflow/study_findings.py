@@ -8,6 +8,7 @@ from math import ceil, inf
 from types import MappingProxyType
 from typing import Final
 
+from acoustics.errors import Advice
 from acoustics.levels.bands import octave_bands, passes_below, third_octave_bands
 from acoustics.levels.sound_levels import LEAST_SAMPLING_HZ
 from acoustics.levels.standards import Method
@@ -215,7 +216,8 @@ def study_findings(case: Case, places: Places) -> list[Finding]:
     study, time = case.study, case.study.time
     shown = (record.target for record in study.records if record.what == STRESS)
     found = [*orthotropic_findings(study.structure, shown)]
-    about = [(plan.name, one) for plan in study.rooms for one in flanking_findings(plan, places)]
+    about: list[tuple[str, Advice | Finding]] = []
+    about += [(plan.name, one) for plan in study.rooms for one in flanking_findings(plan, places)]
     about += [(plan.name, one) for plan in study.rooms for one in near_microphones(plan, study, places)]
     about += [(plan.name, one) for plan in study.rooms for one in missed_times(plan)]
     found += room_findings(about)
