@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import tempfile
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -12,7 +13,7 @@ import meshio
 import numpy as np
 
 from tests.machine.bars import a_material
-from tests.machine.framework import Case, Door, Floats, Model, capability
+from tests.machine.framework import Case, Door, Floats, Model, Refused, capability
 
 Draft = dict[str, Any]
 _SAME = "the same nodes and cells, coordinates to ten digits; tolerance of the eigensolution"
@@ -207,3 +208,48 @@ def _sets(nodes: Floats, quads: Floats, half: Floats) -> str:
         lines.append(f"*ELEMENT, TYPE=S4, ELSET={name}")
         lines += [f"{i + 1}, {', '.join(str(one + 1) for one in quads[i])}" for i in np.flatnonzero(chosen)]
     return "\n".join([*lines, ""])
+
+
+def _layered(rng: np.random.Generator, nodes: Floats, quads: Floats, half: Draft, symmetric: bool) -> dict[str, str]:
+    """Decks of Nastran and of Abaqus that state a lay-up, whole or half of it."""
+    rows = "".join(f",{1},{mm / 1e3:.7f},{angle},YES" for mm, angle in half)
+    words = f"PCOMP,1,,,,,,,{'SYM' if symmetric else ''}".split(",") + rows.split(",")[1:]
+    cards = [",".join(words[k : k + 8]) for k in range(1, len(words), 8)]
+    laid = "\n,".join(["PCOMP," + cards[0], *cards[1:]]) + "\nMAT1,1,7.+10,,0.3,2700.\nENDDATA"
+    section = [
+        "*MATERIAL, NAME=M1", "*ELASTIC", "7e10, 0.3", "*DENSITY", "2700.",
+        f"*SHELL SECTION, ELSET=ALL, COMPOSITE{', SYMMETRIC' if symmetric else ''}",
+        *(f"{mm / 1e3:.7f}, 3, M1, {angle}" for mm, angle in half), "",
+    ]  # fmt: skip
+    return {
+        "q.bdf": plain_deck(nodes, quads).replace("ENDDATA", laid),
+        "q.inp": _inp(rng, nodes, quads) + "\n".join(section),
+    }
+
+
+@capability("decks: layers are answered with what to write", "independent")
+def _(rng: np.random.Generator) -> Case:
+    """A lay-up that a deck states, whole or half of it where it is symmetric, and a shell without layers."""
+    nodes, quads, _ = _mesh(rng)
+    half = [[float(f"{rng.uniform(0.3, 3):.4g}"), float(rng.choice([0.0, 45.0, -30.0, 90.0]))]
+            for _ in range(int(rng.integers(2, 4)))]  # fmt: skip
+    texts = [_layered(rng, nodes, quads, half, symmetric) for symmetric in (False, True)]
+    draft: Draft = {**_draft(rng, nodes), "half": half}
+    del draft["parts"]["p"]["thickness"]
+
+    def asked(model: Model, door: Door) -> Floats:
+        found = []
+        for name, text in (pair for decks in texts for pair in decks.items()):
+            inner: Any = {key: one for key, one in model.items() if key != "half"}
+            inner["parts"] = {"p": {**model["parts"]["p"], "mesh": name}}
+            try:
+                door.ask(inner, "modes", "--count", "1", **{name: text})
+            except Refused as told:
+                found += re.findall(r"\[[^\[\],]+, ([0-9.e-]+) mm(?:, ([-0-9.]+) deg)?\]", str(told))
+        return np.array([[float(mm), float(angle or 0)] for mm, angle in found]).ravel()
+
+    def right(model: Model, _: Door) -> Floats:
+        half = model["half"]
+        return np.array([*(2 * half), *(2 * (half + half[::-1]))], float).ravel()
+
+    return Case(draft, asked, right, 1e-6, "four digits, which are drawn so")
