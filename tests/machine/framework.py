@@ -86,7 +86,10 @@ class Door:
                     (Path(place) / name).write_text(content, encoding="utf-8")
                 else:
                     (Path(place) / f"{name}.yaml").write_text(as_yaml(content), encoding="utf-8")
-            found = histories(Path(place) / "model.yaml")
+            try:
+                found = histories(Path(place) / "model.yaml")
+            except Exception as told:  # it refuses with words
+                raise Crashed(f"{type(told).__name__}: {told}") from told
         if isinstance(found, str):
             raise Refused(found)
         return found

@@ -84,6 +84,8 @@ def scene(rng: np.random.Generator, coupling: str, leaks: bool = False) -> dict[
     heard = {"drive": "q.z", "response": "room.mic.pressure", "kind": "pressure"}
     if rng.random() < 0.3:
         heard = {"drive": "room.mic.volume_velocity", "response": "q.z", "kind": "mobility"}
+    if rng.random() < 0.4:  # at a fifth of the height, of which the program makes all exponentials from one
+        room["receivers"]["mic"][2] = round(size[2] * int(rng.integers(1, 5)) / 5, 9)
     step = rounded(high / 60)
     frf = {"f": {**heard, "band": [low, high], "step": step}}
     study = {"modes": {"up_to": rounded(12 * first)}, "rooms": {"room": room}, "frf": frf}
