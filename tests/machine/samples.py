@@ -8,6 +8,7 @@ from statistics import NormalDist
 from typing import Any, Final
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 from scipy.stats import qmc, spearmanr
 
 from tests.machine.framework import Case, Door, Floats, Model, capability
@@ -296,3 +297,37 @@ def _(rng: np.random.Generator) -> Case:
         return np.array([float(one) for one in right])
 
     return Case({"study": study, "mass": _mass(other, 90.0)}, asked, lambda *_: np.ones(8), 1e-12, "yes or no")
+
+
+def _dashpot_force(share: float) -> float:
+    """Largest force of a mass on a spring with a dashpot of a share of the critical, over that without it."""
+    t = np.linspace(0.0, pi, 20001)
+    ring = np.sqrt(1 - share**2)
+    moved = np.exp(-share * t) * np.sin(ring * t) / ring
+    speed = np.exp(-share * t) * (np.cos(ring * t) - share * np.sin(ring * t) / ring)
+    return float((moved + 2 * share * speed).max())
+
+
+@capability("sweeps: the dashpot of the least force", "independent", slow=True)
+def _(rng: np.random.Generator) -> Case:
+    """Between a dashpot that hardly helps and one that pushes at once: a valley, without any limit."""
+    k, m, other, v = (float(f"{rng.uniform(*one):.4g}") for one in ((0.8e6, 1.2e6), (0.5, 2), (0.8, 1.2), (0.7, 1.4)))
+    study = _study(k, m, v, "15 ms")
+    critical = 2 * np.sqrt(k * m * other / (m + other))
+    low, high = (float(f"{share * critical:.4g}") for share in (0.05, 0.8))
+    study["bodies"]["ball"]["contact"]["damping"] = f"{low} N*s/m"
+    sought = _sought(study, 120, minimise=_FORCE, vary={
+        "bodies.ball.contact.damping": {"from": f"{low} N*s/m", "to": f"{high} N*s/m"},
+    })  # fmt: skip
+
+    def asked(model: Model, door: Door) -> Floats:
+        found = door.ask(model["sought"], "optimise", "--no-pictures", "--workers", "1", mass=model["mass"])
+        door.told = []
+        return np.array([found["value"], found["design"][0]["value"] / critical])
+
+    def right(model: Model, _: Door) -> Floats:
+        best = minimize_scalar(_dashpot_force, bounds=(0.05, 0.8), method="bounded", options={"xatol": 1e-6})
+        return np.array([v * np.sqrt(k * m * other / (m + other)) * best.fun, best.x])
+
+    why = f"{_WHY}; the valley is flat: a place 2e-3 off it is 1e-6 higher"
+    return Case({"sought": sought, "mass": _mass(other, 90.0)}, asked, right, 2e-3, why, each=True)
