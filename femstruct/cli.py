@@ -27,7 +27,7 @@ for _one in (*_OF_STUDIES_AND_MODELS, *_OF_FILES_AND_ITSELF):
     app.command()(_one)
 
 
-def _tell_version(asked: bool) -> None:
+def _print_version(asked: bool) -> None:
     if asked:
         from importlib.metadata import version
 
@@ -38,7 +38,7 @@ def _tell_version(asked: bool) -> None:
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="print the version and exit")
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="print the version and exit")
     ] = False,
 ) -> None:
     """Impact vibration of structures and the sound it makes in a room."""

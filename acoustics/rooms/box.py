@@ -233,13 +233,15 @@ def transfer(room: Box, s: Complexes, k_lm: Floats, z: Floats) -> list[Complexes
     axis, the result is not finite.
     """
     mu = -1j * vertical_wavenumber(room, s, k_lm)  # now exp(mu x) = E(x)
-    waves = _ways(mu, float(room.size[2]), z)
+    waves = _propagate_to_levels(mu, float(room.size[2]), z)
     whole = waves[0][0] * waves[0][1]  # E(Lz), the same at all heights
     front = -room.air.rho * (s + 2 * room.losses.decay_rate) / (mu * (1 - whole * whole))
     return [front * (down * (1 + up * up)) for up, down in waves]
 
 
-def _ways(mu: Complexes, height: float, levels: Floats) -> list[tuple[Complexes | float, Complexes | float]]:
+def _propagate_to_levels(
+    mu: Complexes, height: float, levels: Floats
+) -> list[tuple[Complexes | float, Complexes | float]]:
     """E(z) and E(Lz - z) at every level z, products of the exponentials of the gaps between them."""
     ascending, place = np.unique(levels, return_inverse=True)
     gaps = np.diff(ascending, prepend=0.0, append=height)

@@ -71,7 +71,7 @@ def harmonic_pressure(
     done, share = np.zeros((0, 2), dtype=np.int64), 0.0
     for size in range(FIRST, int(most.max()) + BLOCK, BLOCK):
         new = orders_not_in(order_grid(*np.minimum(size, most).tolist()), done)
-        part = _heard(room, new, weighted, points, surface.rates, frequency_hz, places)
+        part = _receiver_pressure(room, new, weighted, points, surface.rates, frequency_hz, places)
         p += part
         done = np.concatenate([done, new])
         share = _share(part, p)
@@ -80,7 +80,7 @@ def harmonic_pressure(
     return p, truncation(share, done)
 
 
-def _heard(
+def _receiver_pressure(
     room: Box, orders: Integers, weighted: Floats, points: Floats, rates: Complexes, hz: Floats, places: Floats
 ) -> Complexes:
     """Pressure [n_places, nf] of some cosines of the ceiling velocity."""

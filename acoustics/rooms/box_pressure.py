@@ -585,7 +585,9 @@ class RoomTransfer:
     def transfers(self) -> tuple[Complexes, Complexes]:
         """Pressure over modal rate [r, k, nf], of all cosines and of those added last, weighted for the record's
         transform."""
-        before, last = (_ways(self, block) for block in (np.concatenate(self.blocks[:-1]), self.blocks[-1]))
+        before, last = (
+            _transfers_of_orders(self, block) for block in (np.concatenate(self.blocks[:-1]), self.blocks[-1])
+        )
         return before + last, last
 
     def prepare(self) -> None:
@@ -632,7 +634,7 @@ class RoomTransfer:
         found, quietest = [], []
         for surface, highest in zip(surfaces, highest_hz, strict=True):
             spectra = np.fft.rfft(extend_to_rest(surface.rates, len(weight)) * weight, axis=1)[:, : whole.shape[2]]
-            p, share = _heard(whole, spectra, weight, nt), _heard(last, spectra, weight, nt)
+            p, share = _receiver_pressure(whole, spectra, weight, nt), _receiver_pressure(last, spectra, weight, nt)
             energy, part = (np.einsum("rt,rt->r", one, one) for one in (p, share))
             worst = float(np.sqrt(np.divide(part, energy, out=np.zeros_like(energy), where=energy > 0).max()))
             if worst >= ENOUGH:
@@ -673,14 +675,14 @@ def _values(room: Box) -> tuple[object, ...]:
     return (*room.size.tolist(), *astuple(room.air), *astuple(room.losses))
 
 
-def _heard(transfers: Complexes, spectra: Complexes, weight: Floats, nt: int) -> Floats:
+def _receiver_pressure(transfers: Complexes, spectra: Complexes, weight: Floats, nt: int) -> Floats:
     """Pressures [r, nt] of modal rates with spectra [k, nf]."""
     p = np.fft.irfft(np.einsum("rkf,kf->rf", transfers, spectra), len(weight), axis=1)[:, :nt] / weight[:nt]
     p.flags.writeable = False
     return np.asarray(p)
 
 
-def _ways(kept: RoomTransfer, orders: Integers) -> Complexes:
+def _transfers_of_orders(kept: RoomTransfer, orders: Integers) -> Complexes:
     """Pressure over modal rate [r, k, nf] that some cosines make, weighted as spectra of the record are."""
     surface, room, receivers, up_to_hz = kept.surface, kept.room, kept.receivers, kept.up_to_hz
     s, _ = transform_axis(surface.rates.shape[1], surface.dt)

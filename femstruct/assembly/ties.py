@@ -159,7 +159,7 @@ def eliminate(equations: csr_array) -> Elimination:
             pivots.append(fixed)
             rows = rows[~single]
             continue
-        row, column = _lone_pivots(part)
+        row, column = _single_pivots(part)
         if not len(row):
             break
         rounds.append((rows[row], column))
@@ -205,7 +205,7 @@ def _without(rows: csr_array, held: np.ndarray) -> csr_array:
     return part
 
 
-def _lone_pivots(part: csr_array) -> tuple[Integers, Integers]:
+def _single_pivots(part: csr_array) -> tuple[Integers, Integers]:
     """Equations with a degree of freedom that no other has, and that one: the largest such coefficient of each."""
     owner = np.repeat(np.arange(part.shape[0]), np.diff(part.indptr))
     lone = np.bincount(part.indices, minlength=part.shape[1])[part.indices] == 1

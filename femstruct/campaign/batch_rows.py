@@ -218,15 +218,15 @@ class RoomReceivers:
 
 def level_names(study: Study) -> list[str]:
     """Names of the levels that a batch can have, `MADE` of each receiver of each rectangular room."""
-    return [f"levels / {one} / {level}" for one in _listened(study) for level in MADE]
+    return [f"levels / {one} / {level}" for one in _receiver_names(study) for level in MADE]
 
 
 def main_names(study: Study) -> dict[str, str]:
     """The same for those that are main numbers, too, by their names there."""
-    return {f"{one} {MAIN}": f"levels / {one} / {MADE[0]}" for one in _listened(study)}
+    return {f"{one} {MAIN}": f"levels / {one} / {MADE[0]}" for one in _receiver_names(study)}
 
 
-def _listened(study: Study) -> list[str]:
+def _receiver_names(study: Study) -> list[str]:
     rooms = [room for room in study.rooms if room.room.keeps_transfers]
     return [f"{room.name}.{receiver.name}" for room in rooms for receiver in room.receivers]
 

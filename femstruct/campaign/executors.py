@@ -56,7 +56,7 @@ def crew(workers: int, cluster: str = "") -> Iterator[Crew]:
     elif workers == 1:
         yield _here
     else:
-        with _one_thread_each(), _deaf_to_broken_pipes():
+        with _one_thread_each(), _ignore_broken_pipes():
             processes = _Processes(workers)
             try:
                 yield processes
@@ -75,7 +75,7 @@ def _by_scheduler(executor: Executor, size: int, tasks: Sequence[Work], done: Do
     from distributed import KilledWorker
 
     for task in _hand_out(executor, list(tasks), AHEAD * size, done, tick, (KilledWorker,)):
-        done(_gone(task))
+        done(_rows_of_ended(task))
 
 
 class _Processes:
@@ -95,7 +95,7 @@ class _Processes:
             doubtful += self._until_broken(left, AHEAD * self._workers, done, tick)
         while doubtful:
             for task in self._until_broken(doubtful, 1, done, tick):
-                done(_gone(task))
+                done(_rows_of_ended(task))
 
     def _until_broken(self, tasks: list[Work], ahead: int, done: Done, tick: Tick) -> list[Work]:
         """Run tasks, taken from the list, until all are done or a process has died; those that were then under way."""
@@ -161,13 +161,13 @@ def _hand_out(
             except BrokenProcessPool:
                 return list(running.values())
             except given_up:
-                rows = _gone(running[future])
+                rows = _rows_of_ended(running[future])
             running.pop(future)
             done(rows)
     return []
 
 
-def _gone(task: Work) -> list[Row]:
+def _rows_of_ended(task: Work) -> list[Row]:
     return [Row(number, "", {}, trouble=GONE, again=True) for number in task.numbers]
 
 
@@ -189,7 +189,7 @@ def _begin(parent: int) -> None:
 
 
 @contextmanager
-def _deaf_to_broken_pipes() -> Iterator[None]:
+def _ignore_broken_pipes() -> Iterator[None]:
     """Writing to a process that has been killed is an error of that write meanwhile, and not the end of this one."""
     if not hasattr(signal, "SIGPIPE") or threading.current_thread() is not threading.main_thread():
         yield

@@ -95,7 +95,7 @@ def sweep(
         print_json(sweep_table(rows, names))
     else:
         show(swept_pieces(rows, names), console())
-        _tell_files("sweep", moved, written)
+        _print_files("sweep", moved, written)
     if not rows.done.all():
         return INTERRUPTED
     return GOOD if any(rows.trusted(one).any() for one in rows.cases) else NOT_TRUSTED
@@ -164,7 +164,7 @@ def optimise(
         print_json(front_table(found) if isinstance(found, Front) else optimum_table(found))
     else:
         show(answer_pieces(found), console())
-        _tell_files("optimisation", moved, written)
+        _print_files("optimisation", moved, written)
     if found.interrupted:
         return INTERRUPTED
     return GOOD if found.feasible else NOT_TRUSTED
@@ -178,7 +178,7 @@ def _show_plan(forecast: Mapping[str, int | str], as_json: bool) -> int:
     return GOOD
 
 
-def _tell_files(what: str, moved: Path | None, written: Iterable[Path]) -> None:
+def _print_files(what: str, moved: Path | None, written: Iterable[Path]) -> None:
     """Which files are written, and where those of an earlier campaign in the same folder are now."""
     if moved is not None:
         print(f"An earlier, different {what} is kept: its files are now {moved.with_suffix('.*')}")

@@ -729,7 +729,7 @@ def _nodes(keyword: Keyword, deck: Deck) -> None:
         raise wrong_line(path, keyword.number, got, "x, y, z", "write the file in global coordinates")
     if "INPUT" in keyword.options:
         raise wrong_line(path, keyword.number, "nodes of another file", "nodes in this one", "write *INCLUDE, INPUT=..")
-    wide = [(number, words) for number, words in keyword.rows if len(words) > 4 and any(map(_says, words[4:]))]
+    wide = [(number, words) for number, words in keyword.rows if len(words) > 4 and any(map(_is_not_zero, words[4:]))]
     if wide:
         raise wrong_line(path, wide[0][0], f"{len(wide[0][1])} numbers of a node", "a number and x, y, z")
     numbers = integers(path, ((number, words[:1]) for number, words in keyword.rows))
@@ -742,7 +742,7 @@ def _nodes(keyword: Keyword, deck: Deck) -> None:
         deck.node_sets.setdefault(known_as(deck.node_sets, keyword.options["NSET"]), []).append(numbers)
 
 
-def _says(word: str) -> bool:
+def _is_not_zero(word: str) -> bool:
     """Whether a field has something else in it than zeros."""
     return bool(word.strip("0.+-eE"))
 

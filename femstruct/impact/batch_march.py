@@ -615,7 +615,7 @@ def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Run
                     interfaces[field][:, a] = values(f"{name}.{word}", 0.0)
             interfaces["opening"][:, a] = interfaces["closing"][:, a]
             interfaces["preload"][:, a] = values(f"{name}.preload", float(system.interfaces[a]["preload"]))
-            static_indentation = _rest(contacts[name], varied, interfaces[:, a])
+            static_indentation = _preload_indentation(contacts[name], varied, interfaces[:, a])
             interfaces["offset"][:, a] = static_indentation - values(f"{name}.gap", contacts[name].gap)
     for name, a in compiled.links.items():
         for word in ("stiffness", "closing", "opening", "preload"):
@@ -633,7 +633,7 @@ def numbers(varied: Variation, compiled: Compiled, first: int, last: int) -> Run
     return Runs(mass, velocity, interfaces, loads, strikes)
 
 
-def _rest(contact: Contact, varied: Variation, interfaces: Records) -> Floats:
+def _preload_indentation(contact: Contact, varied: Variation, interfaces: Records) -> Floats:
     """Indentation under the preload of one contact in all runs [runs]."""
     preload, law, name = interfaces["preload"], contact.law, contact.name
     if not preload.any():

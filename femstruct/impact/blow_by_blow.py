@@ -67,7 +67,7 @@ def blow_table(
                 closings=int(np.sum((closed >= t) & (closed < (times[again] if again is not None else np.inf)))),
                 largest_energy=largest,
                 left_energy=float(energy[high - 1]) if high > low else 0.0,
-                rest_after=_rest(energy[low:high], largest, low / clock.sampling - t, clock),
+                rest_after=_settling_time(energy[low:high], largest, low / clock.sampling - t, clock),
                 interval=min(until, end) - t,
                 seen=bool(until <= end * (1.0 + 1e-12)),
                 held_force=float(held[HELD]),
@@ -91,7 +91,7 @@ def _sample(t: float, clock: Clock, count: int) -> int:
     return min(int(np.ceil(t * clock.sampling - 1e-6)), count)
 
 
-def _rest(energy: Floats, largest: float, after: float, clock: Clock) -> float | None:
+def _settling_time(energy: Floats, largest: float, after: float, clock: Clock) -> float | None:
     """How long after the blow the energy is below its share for good [s]; None when it is not before the next.
 
     Parameters

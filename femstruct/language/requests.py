@@ -51,14 +51,14 @@ class FrfSpec(Spec):
         if self.from_room:
             there.spot(self.response)
         elif self.kind == "power" or self.response.endswith(".power"):
-            self._check_heard(
+            self._check_receiver(
                 here,
                 "power",
                 [f"{name}.power" for name, room in rooms.items() if room.is_open],
                 "only rooms 'above' or 'below' a surface have a power",
             )
         elif self.kind == "pressure" or self.response.endswith(".pressure"):
-            self._check_heard(
+            self._check_receiver(
                 here,
                 "pressure",
                 [f"{name}.{one}.pressure" for name, room in rooms.items() for one in room.listeners],
@@ -95,7 +95,7 @@ class FrfSpec(Spec):
         )
         here.at("band").need(self.band[0] > 0.0, "0 Hz", "a band above 0 Hz")
 
-    def _check_heard(self, here: Here, kind: str, known: list[str], none: str) -> None:
+    def _check_receiver(self, here: Here, kind: str, known: list[str], none: str) -> None:
         """A pressure is that at ROOM.RECEIVER, a power is that of an open room, ROOM.power; never at 0 Hz."""
         if here.at("kind").need(self.kind == kind, f"'{self.kind}' of a {kind}", kind, f"write 'kind: {kind}'"):
             here.at("response").need(

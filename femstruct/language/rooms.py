@@ -193,7 +193,7 @@ class StudyRequests:
     rooms: Mapping[str, RoomSpec]
 
 
-def _told_by_signs(schema: dict[str, Any], kind: type[RoomSpec]) -> None:
+def _require_a_sign(schema: dict[str, Any], kind: type[RoomSpec]) -> None:
     """Its schema fits no room of another kind: one of its signs is there."""
     if kind.signs:
         schema["anyOf"] = [{"required": [sign]} for sign in kind.signs]
@@ -205,7 +205,7 @@ class RoomSpec(Spec):
     signs : keys by which the kind is known. is_open : whether it has a sound power.
     """
 
-    model_config = ConfigDict(json_schema_extra=_told_by_signs)
+    model_config = ConfigDict(json_schema_extra=_require_a_sign)
     signs: ClassVar[tuple[str, ...]] = ()
     is_open: ClassVar[bool] = False
 

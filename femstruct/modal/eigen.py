@@ -153,7 +153,7 @@ def _singular(index: int, labels: Sequence[str]) -> SingularSystem:
 BLOCK, BLOCK_OF_MANY = 8, 6
 MANY = 500_000  # unknowns
 MOST_VECTORS = 400
-_GONE = 1e-12  # of its length: what is left of a vector that lies in the space already
+_NEGLIGIBLE = 1e-12  # of its length: what is left of a vector that lies in the space already
 
 
 class Krylov:
@@ -220,11 +220,11 @@ class Krylov:
     def _append(self, vectors: Floats, weighed: Floats, size: float) -> Floats:
         """M-orthonormal columns for the vectors, of which those that are rounding are dropped; returns R of Q R."""
         triangle: Floats = np.eye(vectors.shape[1])
-        floor = (_GONE * size) ** 2 * self._heaviest
+        floor = (_NEGLIGIBLE * size) ** 2 * self._heaviest
         for _ in range(2):
             gram = vectors.T @ weighed
             squared, turn = eigh(0.5 * (gram + gram.T))
-            kept = squared > max(floor, _GONE**2 * squared[-1])
+            kept = squared > max(floor, _NEGLIGIBLE**2 * squared[-1])
             root = np.sqrt(squared[kept])
             triangle = (root[:, None] * turn[:, kept].T) @ triangle
             vectors, weighed = vectors @ (turn[:, kept] / root), weighed @ (turn[:, kept] / root)

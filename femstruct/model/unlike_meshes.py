@@ -228,7 +228,7 @@ def unlike_line(
     found = [_touch(parts[i], parts[1 - i], nodes[i], nodes[1 - i], tolerance, points) for i in (0, 1)]
     lengths = [0.0 if one is None else one.length for one in found]
     if max(lengths) <= 0.0 or not any(
-        one is not None and _lone(one, nodes[1 - i], tolerance, points) for i, one in enumerate(found)
+        one is not None and _has_unmatched_nodes(one, nodes[1 - i], tolerance, points) for i, one in enumerate(found)
     ):
         return None
     alike = abs(lengths[0] - lengths[1]) <= _EQUAL_LENGTHS * max(lengths)
@@ -404,7 +404,7 @@ def _pieces(edges: Floats, facing: Floats, tolerance: Floats) -> tuple[Integers,
     return which[:-1][real], share[:-1][real], share[1:][real]
 
 
-def _lone(touch: _Touch, there: Integers, tolerance: float, points: Floats) -> bool:
+def _has_unmatched_nodes(touch: _Touch, there: Integers, tolerance: float, points: Floats) -> bool:
     """Whether nodes of a part on another have none of its nodes at their place."""
     nodes = np.unique(touch.ends[touch.counts > 0.0])
     apart = np.asarray(KDTree(points[there]).query(points[nodes])[0])
@@ -511,7 +511,9 @@ def unlike_area(
     for i, faces in enumerate(outer):
         of = np.unique(np.concatenate([some.ravel() for some in faces.values()]))
         on[i][of] = parts[1 - i].off_cells(points[of]) <= tolerance
-    if (on[0].any() or on[1].any()) and not any(_lone_face(on[i], nodes[1 - i], tolerance, points) for i in (0, 1)):
+    if (on[0].any() or on[1].any()) and not any(
+        _has_unmatched_face_nodes(on[i], nodes[1 - i], tolerance, points) for i in (0, 1)
+    ):
         return None
     planes = _planes(outer[0], outer[1], points, tolerance)
     if not planes:
@@ -551,7 +553,7 @@ def _near_faces(part: Meshed, other: Meshed, own: Integers, tolerance: float, po
     return found
 
 
-def _lone_face(on: NDArray[np.bool_], there: Integers, tolerance: float, points: Floats) -> bool:
+def _has_unmatched_face_nodes(on: NDArray[np.bool_], there: Integers, tolerance: float, points: Floats) -> bool:
     """Whether nodes of a part on another have none of its nodes at their place."""
     apart = np.asarray(KDTree(points[there]).query(points[on])[0])
     return bool((apart > tolerance).any())

@@ -531,7 +531,7 @@ def _hinge(shared: SharedNodes, model: Model) -> list[Finding]:
         return []
     shell, solid = parts if turning[0] else parts[::-1]
     nodes = shared.pairs[:, 0 if turning[0] else 1]
-    lone, length = _lone_nodes(shell, nodes, model.mesh.points)
+    lone, length = _nodes_of_no_cell(shell, nodes, model.mesh.points)
     if not lone:
         return []
     where = f"along {length:.3g} m" if length > 0.0 else f"at {lone} nodes"
@@ -543,7 +543,7 @@ def _hinge(shared: SharedNodes, model: Model) -> list[Finding]:
     return [Finding("shared-nodes-hinge", message, {"length_m": length, "nodes": lone}, severe=True)]
 
 
-def _lone_nodes(shell: Meshed, nodes: Integers, points: Floats) -> tuple[int, float]:
+def _nodes_of_no_cell(shell: Meshed, nodes: Integers, points: Floats) -> tuple[int, float]:
     """How many of some nodes of a shell are of no cell all of whose nodes are among them, and the length of the edges
     between nodes that have such a one [m]."""
     cells = shell.quads

@@ -40,7 +40,7 @@ def campaign_page(answer: Swept | Found | Front, pictures: Mapping[str, bytes], 
     parts = [
         f"<h1>{title}</h1>",
         "<h2>What was asked</h2>",
-        *map(table, _asked(answer)),
+        *map(table, _input_tables(answer)),
         "<h2>What was found</h2>",
         *(table(one) if isinstance(one, Grid) else f"<p>{escape(one)}</p>" for one in pieces),
         *(picture(name, file) for name, file in pictures.items()),
@@ -59,7 +59,7 @@ def answer_pieces(found: Found | Front) -> Iterator[Piece]:
     return front_pieces(found) if isinstance(found, Front) else optimum_pieces(found)
 
 
-def _asked(answer: Swept | Found | Front) -> Iterator[Grid]:
+def _input_tables(answer: Swept | Found | Front) -> Iterator[Grid]:
     """What varied and in which range; goals and limits of an optimisation."""
     if isinstance(answer, Swept):
         yield _varied(answer)

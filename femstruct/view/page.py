@@ -493,7 +493,7 @@ def report(
     parts = [
         f"<h1>{title}</h1>",
         _warning(result, ranks[Rank.FORBIDS]),
-        *_asked(result, pictures),
+        *_input_pieces(result, pictures),
         *_found(result, pictures),
         *_trust(result, ranks),
         *_folds(result, pictures, sounds),
@@ -514,7 +514,7 @@ def _warning(result: StudyResult, forbids: list[str]) -> str:
     return f'<p class="severe">Do not trust these results: {escape(codes)}. The reasons are under “Trust”.</p>'
 
 
-def _asked(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
+def _input_pieces(result: StudyResult, pictures: Mapping[str, bytes]) -> list[str]:
     """The model, the inputs of the baseline, and the cases."""
     models = [picture(name, file) for name, file in pictures.items() if kind_of(name).begins == MODEL]
     cases = table(cases_table(result.plan, list(result.cases)))

@@ -89,7 +89,7 @@ def coarse_sampling(study: Study, last_hz: float, modes: int) -> Iterator[Findin
             severe=True,
         )
         return
-    with_sound = any(_is_heard(plan) for plan in study.rooms)
+    with_sound = any(_has_receivers(plan) for plan in study.rooms)
     if time.sampling >= FOLDED * last_hz or not (study.records or with_sound):
         return
     needed = SAMPLES_FOR_SOUND if with_sound else FOLDED
@@ -123,7 +123,7 @@ def missed_pulses(study: Study, response: Response) -> Iterator[Finding]:
     )
 
 
-def _is_heard(plan: RoomPlan) -> bool:
+def _has_receivers(plan: RoomPlan) -> bool:
     return bool(plan.receivers) or plan.room.open_air is not None
 
 

@@ -75,7 +75,7 @@ def bare_plate(plan: RoomPlan, study: Study, patch_m: float = 0.0) -> RadiatingP
         Radius of the disc that is struck [m].
     """
     structure = study.structure
-    reason = _not_bare(structure) or _struck_otherwise(study) or _other_air(plan)
+    reason = _not_bare(structure) or _other_excitation(study) or _other_air(plan)
     if reason or not isinstance(structure, Structure):
         return reason
     (part,) = structure.parts
@@ -124,7 +124,7 @@ def _held(support: Support) -> bool:
     return not any(getattr(support, word, None) for word in ("stiffness", "walls"))
 
 
-def _struck_otherwise(study: Study) -> str:
+def _other_excitation(study: Study) -> str:
     """What acts on the floor beside one source of blows; "" for nothing."""
     others = [one.name for group in (study.links, study.contacts, study.loads, study.walks) for one in group]
     others += [body.name for body in study.bodies if not body.source or not body.law]
@@ -191,7 +191,7 @@ def draw_drops(
     """For each set, for each drop, rows [h, k] of all modes where its bodies strike a floor: each drop moved as it is,
     0.5 m from the edges of its rectangle; None where something else than these bodies acts, or the floor is no
     rectangle."""
-    targets = [_struck(study) for study in studies]
+    targets = [_impact_places(study) for study in studies]
     known = [one for one in targets if one is not None]
     if len(known) < len(targets):
         return None
@@ -219,7 +219,7 @@ def _rows(place: PlaceOn, part: Plate | Slab, at: Floats, places: Places, basis:
     return np.array([one.probe("z").of(basis.shapes) for one in points])
 
 
-def _struck(study: Study) -> tuple[PlaceOn, Plate | Slab, Floats] | None:
+def _impact_places(study: Study) -> tuple[PlaceOn, Plate | Slab, Floats] | None:
     """Which points of which rectangular floor a source strikes, and where [h, 2]; None for other floors or blows."""
     structure = study.structure
     if study.links or study.contacts or study.loads or study.walks or not isinstance(structure, Structure):
@@ -354,7 +354,7 @@ def _ensemble(
     for factors in draw_sides(plan.ensemble, rng):
         room = plan.room.varied(factors)
         assert room is not None, "seen before"
-        transfers = _ways(room, plan.room, surface, s, len(plan.receivers), rng)
+        transfers = _room_transfers(room, plan.room, surface, s, len(plan.receivers), rng)
         t60 = {band: t60_of(room.losses, band) for band in method.bands_hz}
         flat = dict.fromkeys(method.bands_hz, 0.0)
         correction = flat if method.correct is None else method.correct(flat, room.volume, t60)
@@ -449,7 +449,7 @@ def _as_simulated(
     return np.stack([simulated_rates(run, modes, s, start, lasts) for start in starts.values() or (0.0,)])
 
 
-def _ways(
+def _room_transfers(
     room: SoundField,
     nominal: SoundField,
     surface: SurfaceShapes,
@@ -616,7 +616,7 @@ def statistical_bands(plan: RoomPlan, study: Study, drops: int) -> StatisticalBa
 
 
 def _blows(study: Study) -> list[tuple[float, float, Law]]:
-    """Mass [kg], speed [m/s] and law of what strikes, each with a law of its own (`_struck_otherwise`)."""
+    """Mass [kg], speed [m/s] and law of what strikes, each with a law of its own (`_other_excitation`)."""
     return [(body.mass, body.speed, body.law) for body in study.bodies if body.law is not None]
 
 

@@ -85,16 +85,16 @@ def frequency_response(
     frequency = lines_of(request)
     if request.drive.what == VOLUME_VELOCITY:
         return _from_source(request, places, basis, rooms, frequency)
-    drive = places.point(request.drive.name, _asked(request, "drive")).probe(request.drive.what)
+    drive = places.point(request.drive.name, _name_of_end(request, "drive")).probe(request.drive.what)
     if request.kind == "pressure":
         return _pressure(request, drive, places, basis, rooms, frequency)
     if request.kind == "power":
         return _power(request, drive, places, basis, rooms, frequency)
-    response = response_row(request.response, places, basis, _asked(request, "response"))
+    response = response_row(request.response, places, basis, _name_of_end(request, "response"))
     for end, spot, probe in (("drive", request.drive, drive), ("response", request.response, response)):
         if isinstance(probe, Probe) and not moves_probe(basis, probe):
             raise InputError(
-                _asked(request, end),
+                _name_of_end(request, end),
                 got=f"'{spot}', no mode moves along {spot.what}",
                 expected="a direction in which the structure can move",
             )
@@ -152,7 +152,7 @@ def _pressure(
     request: FrfRequest, drive: Probe, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
 ) -> tuple[Frf, tuple[Advice, ...]]:
     """Pressure at a receiver, ROOM.RECEIVER.pressure, per unit force."""
-    plan, receiver = _receiver(request.response, rooms, _asked(request, "response"))
+    plan, receiver = _receiver(request.response, rooms, _name_of_end(request, "response"))
     room = placed_room(plan, places.surfaces)
     values, advice = pressure_per_force(basis, drive, room, [receiver], frequency)
     unit = "Pa/(N m)" if request.drive.what.startswith("r") else "Pa/N"
@@ -163,8 +163,8 @@ def _from_source(
     request: FrfRequest, places: Places, basis: ModalBasis, rooms: Sequence[RoomPlan], frequency: Floats
 ) -> tuple[Frf, tuple[Advice, ...]]:
     """Velocity per volume velocity of a point source at the place of a receiver."""
-    plan, source = _receiver(request.drive, rooms, _asked(request, "drive"))
-    where = _asked(request, "response")
+    plan, source = _receiver(request.drive, rooms, _name_of_end(request, "drive"))
+    where = _name_of_end(request, "response")
     response = places.point(request.response.name, where).probe(request.response.what)
     if not moves_probe(basis, response):
         expected = "a direction in which the structure can move"
@@ -191,7 +191,7 @@ def _power(
     plan = plans.get(request.response.name)
     if plan is None:
         expected = " or ".join(f"{name}.power" for name in plans) or "an open room"
-        raise InputError(_asked(request, "response"), got=f"'{request.response}'", expected=expected)
+        raise InputError(_name_of_end(request, "response"), got=f"'{request.response}'", expected=expected)
     room = placed_room(plan, places.surfaces)
     sound, advice = power_per_force(basis, drive, room, frequency, plan.directivity)
     unit = "W/(N m)^2" if request.drive.what.startswith("r") else "W/N^2"
@@ -221,7 +221,7 @@ def force_axis(spot: Spot) -> str:
     return spot.what.removeprefix("force").lstrip("_") or "z"
 
 
-def _asked(request: FrfRequest, end: str) -> str:
+def _name_of_end(request: FrfRequest, end: str) -> str:
     """Who asks for an end of a response: a named request of a study, or an option of the command line."""
     return f"frf.{request.name}.{end}" if request.name else f"--{end}"
 

@@ -112,7 +112,7 @@ def _folder_of(result: StudyResult, folder: Path, keep: Progress | None) -> Iter
             keep(f"The run of other inputs that was in {folder} is now in {place}")
 
 
-def _told(stage: Stage, left_out: str = "") -> str:
+def _stage_sentences(stage: Stage, left_out: str = "") -> str:
     """Sentences about what a run left out, removed, or kept that is older; what is kept elsewhere is told by itself."""
     return "\n".join(filter(None, (left_out, "" if stage.aside else _cleared(stage.removed), _older(stage.older))))
 
@@ -162,7 +162,7 @@ def write_numbers(
             sounds = _write_sounds(result, stage.path)
         sound_files = {name: (stage.path / name).read_bytes() for name in sounds}
         write_report(result, stage.path / "report.html", sounds=sound_files)
-    return _told(stage)
+    return _stage_sentences(stage)
 
 
 def _write_summary(result: StudyResult, folder: Path) -> None:
@@ -225,7 +225,7 @@ def _outline(result: StudyResult, folder: Path) -> list[Path]:
     return [] if model is None else [save(outline(model, rooms), folder / file_name("model"))]
 
 
-class _Heard(NamedTuple):
+class _PressureHistory(NamedTuple):
     """A pressure history at ROOM.RECEIVER in a case: of what the structure radiates, or with the bodies themselves."""
 
     case: str
@@ -243,7 +243,7 @@ def _write_sounds(result: StudyResult, folder: Path) -> list[str]:
     below it. Cases of another sampling than the baseline's cannot follow it in one file: they are not in the sequence.
     """
     responses = [
-        _Heard(case, total, f"{room}.{receiver.name}", p, item.case.study.time.sampling)
+        _PressureHistory(case, total, f"{room}.{receiver.name}", p, item.case.study.time.sampling)
         for case, item in result.cases.items()
         if item.case.study.time is not None
         for room, borne in item.rooms.items()

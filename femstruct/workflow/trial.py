@@ -92,7 +92,7 @@ def parameters_of(texts: Sequence[str]) -> tuple[list[Parameter], dict[str, str]
         try:
             found.append(parameter(path, value, low, high))
         except InputError as error:
-            got, do = _as_written(written, units[path]), _right_way(path, start, ends, low, high)
+            got, do = _as_written(written, units[path]), _order_to_write(path, start, ends, low, high)
             raise InputError(f"--fit {text}", got=got, expected=error.expected, do=do) from None
     if not found:
         raise InputError("--fit", got="no parameter", expected="one or more PATH=START")
@@ -106,7 +106,7 @@ def _as_written(written: str, unit: str) -> str:
     return f"a start of {start}" + (f" and bounds of {ends[0]} and {ends[1]}" if ends else "")
 
 
-def _right_way(path: str, start: str, ends: Sequence[str], low: float | None, high: float | None) -> str:
+def _order_to_write(path: str, start: str, ends: Sequence[str], low: float | None, high: float | None) -> str:
     """What to write where bounds are the wrong way round."""
     if low is None or high is None or not low > high:
         return ""

@@ -77,11 +77,11 @@ def _unknown_without_kind(found: Iterable[Any], schema: type[BaseModel]) -> list
 def _missing(error: Any, schema: type[BaseModel]) -> Steps | None:
     """The place of a key that is missing, of its kind too; None for another mistake."""
     if error["type"] == "union_tag_not_found":
-        return (*error["loc"], _tells(schema, error["loc"]))
+        return (*error["loc"], _key_of_kind(schema, error["loc"]))
     return error["loc"] if error["type"] == "missing" else None
 
 
-def _tells(schema: type[BaseModel], loc: Steps) -> str:
+def _key_of_kind(schema: type[BaseModel], loc: Steps) -> str:
     """The key that tells the kinds apart that may stand at a pydantic location."""
     return "shape" if "shape" in _allowed(schema, loc) else "type"
 
@@ -93,7 +93,7 @@ def _note(error: Any, schema: type[BaseModel], tree: Tree, mistakes: Mistakes) -
             mistakes.note(line)
         return
     if kind == "union_tag_invalid":
-        loc = (*loc, _tells(schema, loc))
+        loc = (*loc, _key_of_kind(schema, loc))
     steps = _steps(loc, tree.value, absent=kind == "missing")
     if kind == "missing" and isinstance(loc[-1], int):
         steps = steps[:-1]
@@ -110,7 +110,7 @@ def _noted(
         case "value_error" if isinstance(refusal := context["error"], QuantityError):
             return refusal.got, refusal.expected, refusal.do
         case "extra_forbidden":
-            got, expected, do = _told_of_key(str(loc[-1]), _allowed(schema, loc[:-1]))
+            got, expected, do = _describe_key(str(loc[-1]), _allowed(schema, loc[:-1]))
             return got, expected, _instead(schema, loc)[1] or do
         case "missing" if isinstance(loc[-1], int):
             return "a list that is too short", f"at least {loc[-1] + 1} values", ""
@@ -127,7 +127,7 @@ def _noted(
         case "union_tag_not_found" if not isinstance(given, dict):
             return "", "a mapping", f"write it like {_meant(schema, loc, given) or '{type: ..., ...}'}"
         case "union_tag_not_found":
-            key, known = _tells(schema, loc), " | ".join(_tags_at(schema, loc))
+            key, known = _key_of_kind(schema, loc), " | ".join(_tags_at(schema, loc))
             return f"no '{key}'", f"a key '{key}'", f"add {key}: {known}" if known else f"add '{key}: ...'"
         case "union_tag_invalid":
             tags, word = [tag.strip(" '") for tag in context["expected_tags"].split(",")], context["tag"]
@@ -145,7 +145,7 @@ def _comma_in(given: Any) -> str:
     return COMMA if any(map(all, pairwise(whole))) else ""
 
 
-def _told_of_key(key: str, known: list[str]) -> tuple[str, str, str]:
+def _describe_key(key: str, known: list[str]) -> tuple[str, str, str]:
     do = COMMA if NUMBER_LIKE.fullmatch(key) else nearest(key, known)
     if (word := key.partition(":")[0]) in known and word != key:
         do = "write a space after the colon"
@@ -186,7 +186,7 @@ def _meant(schema: Any, loc: Steps, value: Any) -> str:
     kinds = [tag for tag in _tags_at(schema, loc) if tag != GIVEN]
     if kinds:
         near = near_name(value, kinds) if isinstance(value, str) else ""
-        return f"{{{_tells(schema, loc)}: {near or '...'}, ...}}"
+        return f"{{{_key_of_kind(schema, loc)}: {near or '...'}, ...}}"
     return next((text for one in _specs(schema, loc) if (text := one.meant_by(value))), "")
 
 
