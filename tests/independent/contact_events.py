@@ -245,16 +245,21 @@ class Path:
         """Largest force of a contact, between two times at which segments end."""
         return self._top(name, since, until)[0]
 
-    def peak_time(self, name: str) -> float:
-        """When it is largest; 0 of one that never pushes."""
-        return self._top(name)[1]
+    def peak_time(self, name: str, end: float = np.inf) -> float:
+        """When it is largest up to a time; 0 of one that never pushes."""
+        return self._top(name, end=end)[1]
 
-    def _top(self, name: str, since: float = 0.0, until: float = np.inf) -> tuple[float, float]:
+    def peaks(self, name: str, end: float) -> list[float]:
+        """Largest force of every time that it pushes, up to a time."""
+        spans = [(a, b) for a, b in self.touching(name) if a < end]
+        return [self._top(name, a, b, end)[0] for a, b in spans]
+
+    def _top(self, name: str, since: float = 0.0, until: float = np.inf, end: float = np.inf) -> tuple[float, float]:
         number, most = next(i for i, one in enumerate(self.chain.touches) if one.name == name), (0.0, 0.0)
         for index, (_, on, _, t0, t1) in enumerate(self.segments):
-            if not on[number] or not t1 > t0 or t0 < since or t1 > until:
+            if not on[number] or not t1 > t0 or t0 < since or t1 > until or t0 >= end:
                 continue
-            times = np.linspace(t0, t1, 201)
+            times = np.linspace(t0, min(t1, end), 201)
             felt = np.array([_felt(self, index, number, t) for t in times])
             top = int(felt.argmax())
             most = max(most, (float(felt[top]), float(times[top])))

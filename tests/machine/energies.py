@@ -96,14 +96,20 @@ def _measured(text: str) -> tuple[float, float]:
     return energy, max(float(np.ptp(path.moved(name, times))) for name in path.chain.bodies)
 
 
+def _alike(model: Model, name: str) -> bool:
+    """Whether rounding says which push of a contact is the hardest: repeated blows, and bounces without losses."""
+    path = path_of(model)
+    tops = sorted(top for one in _sides(path, name) for top in path.peaks(one, _end_of(model)))
+    return bool(path.chain.again) or (len(tops) > 1 and tops[-1] - tops[-2] < 1e-7 * tops[-1])
+
+
 def all_numbers(model: Model, door: Door) -> Floats:
     case, (energy, length) = answered(model, door), _sizes(model)
     door.told.clear()  # of the window, of samples, of a lift in contact: none makes one of these numbers less true
     names, bodies, end = _names(model), model["study"]["bodies"], _end_of(model)
     found, contacts = case["energy"], case["contacts"]
     apart = found["at_separation"]
-    alike = bool(path_of(model).chain.again)  # blows: rounding says which is the hardest
-    out = [0.0 if alike else contacts[name]["peak_time_s"] / end for name in names]
+    out = [0.0 if _alike(model, name) else contacts[name]["peak_time_s"] / end for name in names]
     out += [contacts[name]["closings"] / 10 for name in names]
     out += [(contacts[name]["first_open_s"] or 0.0) / end for name in names]
     out += [case["bodies"][name]["travel"] / length for name in bodies]
@@ -116,8 +122,8 @@ def all_numbers(model: Model, door: Door) -> Floats:
 def all_right(model: Model, _: Door | None = None, rtol: float = 1e-11) -> Floats:
     path, (energy, length), names = path_of(model, rtol), _sizes(model), _names(model)
     end, times, bodies = _end_of(model), times_of(model), model["study"]["bodies"]
-    hardest = [max((path.peak(one), path.peak_time(one)) for one in _sides(path, name))[1] / end for name in names]
-    out = [0.0] * len(names) if path.chain.again else hardest
+    hardest = [max((path.peak(one), path.peak_time(one, end)) for one in _sides(path, name))[1] for name in names]
+    out = [0.0 if _alike(model, name) else t / end for name, t in zip(names, hardest, strict=True)]
     spans = {name: [span for span in _spans(path, one) if span[0] < end] for name, one in names.items()}
     out += [len(spans[name]) / 10 for name in names]
     out += [next((b for _, b in spans[name] if b < end), 0.0) / end for name in names]
