@@ -80,6 +80,7 @@ def _felt(rng: np.random.Generator, weighting: str, key: str, kind: str, beside:
         _, speed, rate, step = _of(model)
         if weighting == "KB":
             return np.array([vb.running_rms(vb.weighted(speed * 1e3, 1 / step, vb.kb), 1 / step, 0.125).max()])
+        rate = np.r_[rate[0] / 2, rate[1:]]  # where it jumps from rest, a sum has the mean
         felt = vb.weighted(rate, 1 / step, _CURVES[weighting])
         dose = (np.sum(felt**4) * step) ** 0.25
         return np.array([dose if key == "vdv" else vb.running_rms(felt, 1 / step, 1.0).max()])

@@ -47,12 +47,12 @@ _ASIDE: Final = (
     *("one-mass-dominates", "stress-of-orthotropic"),
 )
 _RIBS: Final = (
-    "cells of a half, a fourth and an eighth, orders one and two taken out: what is left of ten draws below 2.1e-3; "
-    "polynomials of order 7: 8e-4"
+    "cells of a half, a fourth and an eighth, orders one and two taken out: what is left of twelve draws mostly below "
+    "2e-3, 1.4e-2 where ribs along the mesh lie elsewhere in its cells each time; polynomials of order 7: 1e-3"
 )
 _WALLS: Final = (
     "cells of a third and a sixth, order one taken out, where moments jump at a wall that turns little: what is left "
-    "of ten draws below 9.6e-3, mostly 3e-3"
+    "of fifteen draws below 1.7e-2, mostly 3e-3"
 )
 # What is moved at rest goes with 1 / f^2: twice of that.
 
@@ -357,7 +357,7 @@ def _case(rng: np.random.Generator, one: Subject, answers: tuple[str, ...]) -> C
 
 def _ribbed_case(rng: np.random.Generator, *answers: str) -> Case:
     while True:
-        one = _subject(_ribbed(rng), ("q.z", "r.z"), 6e-3, _RIBS)
+        one = _subject(_ribbed(rng), ("q.z", "r.z"), 1.5e-2, _RIBS)
         if one:
             return _case(rng, one, answers)
 
@@ -366,7 +366,7 @@ def _walled_case(rng: np.random.Generator, *answers: str) -> Case:
     while True:
         model = _walled(rng)
         across = "xyz"[int(np.abs(model["parts"]["w"]["normal"]).argmax())]
-        one = _subject(model, ("q.z", "r.z", f"t.{across}"), 1.5e-2, _WALLS)
+        one = _subject(model, ("q.z", "r.z", f"t.{across}"), 2e-2, _WALLS)
         if one:
             return _case(rng, one, answers)
 

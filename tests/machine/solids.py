@@ -255,7 +255,7 @@ def _(rng: np.random.Generator) -> Case:
     }
     if rng.random() < 0.5:
         draft["supports"] = {}
-        return _any(rng, made, 3e-3, _BLOCK + "; at a place of a free face, 3e-3")
+        return _any(rng, made, 8e-3, _BLOCK + "; of a free one degrees six and eight differ by up to 1.3e-2 at a peak")
     return _any(rng, made, 4e-3, _BLOCK + "; where walls meet a material that leans, 3e-3 at rest")
 
 
