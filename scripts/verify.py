@@ -50,6 +50,8 @@ def main() -> int:
         ask.error(f"--capability: got {' '.join(wanted)}, expected a part of the name of a capability:{names}")
     if given.named:
         chosen = [framework.capabilities()[name] for name in given.named]
+    if given.unchanged and not given.verdicts:
+        ask.error("--unchanged: got no --verdicts, expected those of its first run, of which some are not kept")
     if given.coverage:
         return _coverage(chosen, given.seed, given.seconds, given.count or 2)
     kept = json.loads(given.verdicts.read_text()) if given.verdicts and given.verdicts.exists() else None

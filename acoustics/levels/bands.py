@@ -50,6 +50,7 @@ def decibels(quotients: ArrayLike) -> Floats:
 # ----------------------------------------------------------------------------------------------------------------------
 
 LOWEST_HZ: Final = 25.0
+ALL_HZ: Final = 1e6  # a sampling that has all bands
 Fraction = Literal[1, 3]
 _HALF: Final = {1: 0.15, 3: 0.05}  # decades from a centre to its edges
 THIRD_EDGE: Final = 10**0.05  # upper edge of a third octave over its centre
@@ -91,6 +92,15 @@ def octave_bands(sampling_hz: float) -> dict[float, float]:
     [31.5, 63.0, 125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16000.0]
     """
     return _centres(sampling_hz, 1)
+
+
+def nominal_bands(fraction: Fraction, sampling_hz: float = ALL_HZ) -> dict[float, float]:
+    """{nominal: exact} centre frequencies [Hz] of octaves (1) or third octaves (3), all or those that a sampling has.
+
+    >>> list(nominal_bands(1, 1000.0)), nominal_bands(3)[31.5]
+    ([31.5, 63.0, 125.0, 250.0], 31.622776601683793)
+    """
+    return octave_bands(sampling_hz) if fraction == 1 else third_octave_bands(sampling_hz)
 
 
 def band_filter(centre_hz: float, sampling_hz: float, fraction: Fraction = 3) -> Floats:
@@ -289,7 +299,7 @@ def band_passes(
     thinned : bool
         Whether as few samples are kept as the band needs, else all.
     """
-    every = octave_bands(sampling_hz) if fraction == 1 else third_octave_bands(sampling_hz)
+    every = nominal_bands(fraction, sampling_hz)
     centres = {nominal: centre for nominal, centre in every.items() if passes_below(centre, end_hz, fraction)}
     tails = {nominal: ceil(ringing_time(centre, fraction) * sampling_hz) for nominal, centre in centres.items()}
     length = fast_length(nt + 2 * max(tails.values(), default=1))

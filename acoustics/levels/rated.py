@@ -14,7 +14,7 @@ import numpy as np
 from acoustics.arrays import Floats, freeze, frozen
 from acoustics.errors import AcousticsError
 from acoustics.fields.sound_field import SoundField
-from acoustics.levels.bands import octave_bands
+from acoustics.levels.bands import nominal_bands
 from acoustics.levels.standards import (
     FIELD,
     RATING,
@@ -115,7 +115,7 @@ def interval(levels_db: Sequence[float]) -> Interval:
 # A room's impact sound as the standards state it.
 # ----------------------------------------------------------------------------------------------------------------------
 
-_OCTAVES: Final = frozenset(octave_bands(1e6))  # nominal centres [Hz] of all that is heard
+_OCTAVES: Final = frozenset(nominal_bands(1))  # nominal centres [Hz] of all that is heard
 _DB: Final = "dB re 20 µPa"
 _BAND: Final = Axis("band_hz", "Hz", "Nominal centre of the band")
 

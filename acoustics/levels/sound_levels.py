@@ -22,7 +22,7 @@ from acoustics.levels.bands import (
     band_passes,
     decibel,
     decibels,
-    octave_bands,
+    nominal_bands,
     ringing_time,
     third_octave_bands,
 )
@@ -315,7 +315,7 @@ def _band_levels(
 ) -> tuple[dict[float, float], dict[float, float]]:
     """({nominal: largest Fast level}, {nominal: exposure level}) of octaves (1) or third octaves (3) [Hz], nan beyond
     the sound's end."""
-    centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
+    centres = nominal_bands(fraction, 1 / dt)
     largest, exposures = dict.fromkeys(centres, nan), dict.fromkeys(centres, nan)
     passes = band_passes(len(p), 1 / dt, fraction, end_hz)
     spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))
@@ -374,7 +374,7 @@ def equivalent_levels(
     first = ceil(since_s / positive("dt", dt, "s") - 1e-6)
     if not 0 <= first < len(p):
         raise AcousticsError("p", got=f"a record of {len(p) * dt:g} s", expected=f"more than {since_s:g} s")
-    centres = octave_bands(1 / dt) if fraction == 1 else third_octave_bands(1 / dt)
+    centres = nominal_bands(fraction, 1 / dt)
     found = dict.fromkeys(centres, nan)
     passes = band_passes(len(p), 1 / dt, fraction, complete_below_hz, thinned=False)
     spectrum = np.fft.rfft(p, next((one.length for one in passes.values()), len(p)))

@@ -13,7 +13,7 @@ import numpy as np
 from acoustics.air import Air
 from acoustics.arrays import Complexes, Floats, freeze, frozen, positive
 from acoustics.errors import AcousticsError
-from acoustics.levels.bands import Fraction, band_edges, decibels, octave_bands, third_octave_bands
+from acoustics.levels.bands import Fraction, band_edges, decibels, nominal_bands
 from acoustics.losses import Losses, t60_of
 from acoustics.reported import Axis, Reported
 from acoustics.tags import stored_as
@@ -279,7 +279,6 @@ def _gauss(side: float, fastest: float) -> tuple[Floats, Floats]:
 P0_SQUARED: Final = (20e-6) ** 2  # Pa^2
 FAST_RATE: Final = 8.0  # 1/s: the meter's 125 ms
 FILTER_RATE: Final = 0.765 * pi  # of the bandwidth: energy of an order-4 Butterworth band pass after a click
-_MOST_HZ: Final = 1e6
 _APART: Final = 1e-4  # relative distance of rates that the sum of exponentials needs
 _BESIDE: Final = 0.3  # decades to each side of a band that its filter is looked at, where it has fallen by 60 dB
 _LINES: Final = 161
@@ -436,7 +435,7 @@ def largest_levels(
     first = power * decay * np.array(list(exposure.values())) * room.air.rho * room.air.c**2 / room.volume
     first *= room.away_from_walls(f)
     thirds = list(exposure)
-    octaves = {one: [other for other in thirds if _within(other, one)] for one in octave_bands(_MOST_HZ)}
+    octaves = {one: [other for other in thirds if _within(other, one)] for one in nominal_bands(1)}
     bands = {one: [one] for one in thirds} if fraction == 3 else {o: t for o, t in octaves.items() if len(t) == 3}
     found = []
     for band, members in bands.items():
@@ -497,7 +496,7 @@ def _within(third_hz: float, octave_hz: float) -> bool:
 
 
 def _exact(nominal_hz: float, fraction: Fraction) -> float:
-    centres = octave_bands(_MOST_HZ) if fraction == 1 else third_octave_bands(_MOST_HZ)
+    centres = nominal_bands(fraction)
     if nominal_hz not in centres:
         raise AcousticsError("bands", got=f"{nominal_hz:g} Hz", expected="nominal centres of third octaves")
     return centres[nominal_hz]

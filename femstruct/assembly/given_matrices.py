@@ -35,15 +35,13 @@ def given_matrices(
     Parameters
     ----------
     M, K : Any [n, n]
-        Mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m, N s/m];
-        supports are already taken out of them.
+        Mass and stiffness, dense or sparse [kg, N/m]; supports are already taken out of them, and of C.
     nodes, components : ArrayLike [n]
         Which node and which of its components (`femstruct.conventions`: UX .. RZ) each degree of freedom is.
     points : ArrayLike [n_nodes, 3]
         Where the nodes are [m].
     C : Any [n, n]
-        Mass, stiffness and the dashpots that damp beside the structure itself, dense or sparse [kg, N/m, N s/m];
-        supports are already taken out of them.
+        Dashpots that damp beside the structure itself [N s/m].
     loss_factor : float
         Of all of it, for `FromMaterials`; the stiffness has the name "given".
 

@@ -438,8 +438,8 @@ STRUCTURE: Final = (
         "A slab or shell is too stiff where a wall stands on it between the lines of its cells.",
         LIMITS,
         "edges of a shell are joined to the insides of cells of another, rotations held, and a frequency can be too "
-        "high by more than the threshold; the plate beside the line is taken as held at its far ends, which is the "
-        "most that it can be",
+        "high by more than the threshold; it is estimated from the bending stiffness of both and from their spans, "
+        "clamped at their far ends",
         "Let a line of cells run under the wall: name both ends of its foot in 'through' of the slab, or mesh the "
         "shell so. Or take smaller cells: the error goes with their width.",
         (

@@ -86,7 +86,7 @@ def craig_bampton(
     Parameters
     ----------
     M, K : Any [n, n]
-        Mass, stiffness and dashpots [kg, N/m, N s/m].
+        Mass and stiffness [kg, N/m].
     boundary : ArrayLike [b]
         Degrees of freedom of the interface, which stay as they are.
     up_to : float | None
@@ -94,7 +94,7 @@ def craig_bampton(
     count : int | None
         How many of them. Give one of the two.
     C : Any [n, n]
-        Mass, stiffness and dashpots [kg, N/m, N s/m].
+        Dashpots [N s/m].
     labels : Sequence[str] [n]
         Names of degrees of freedom, for messages.
 

@@ -324,8 +324,10 @@ def offsets_to_write(names: tuple[str, str], feet: Floats, arms: Floats, corner:
     Examples
     --------
     >>> feet = np.array([[0.1, 0.6, -0.07], [1.9, 0.6, -0.07]])
-    >>> print(offsets_to_write(("rib", "slab"), feet, 0.0 * feet, np.zeros(3), np.array([0.0, 0.0, 1.0]))[:56])
-    if rib is a rib of slab, move its lines by [0, 0, 70 mm]
+    >>> text = offsets_to_write(("rib", "slab"), feet, 0.0 * feet, np.zeros(3), np.array([0.0, 0.0, 1.0]))
+    >>> print(*text.split(" and "), sep="\\n")
+    if rib is a rib of slab, move its lines by [0, 0, 70 mm] into the mid-surface of slab
+    write 'offsets: {start: [0, 0, -70 mm], end: [0, 0, -70 mm]}'
     """
     heights = (feet - corner) @ normal
     small = _SMALL * float(np.ptp(feet, axis=0).max(initial=0.0))

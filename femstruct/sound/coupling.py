@@ -24,28 +24,27 @@ from femstruct.sound.placed import Placed
 # ----------------------------------------------------------------------------------------------------------------------
 
 Bools = NDArray[np.bool_]
-NEGLIGIBLE_DAMPING_COUPLING: Final = (
-    1e-3  # of the motion of structure and air: damping between modes that makes less is left out
-)
+# Of the motion of the structure, and of that of the air: damping between modes that makes less of both is left out.
+NEGLIGIBLE_DAMPING_COUPLING: Final = 1e-3
 _LOADS: Final = 8
 _LIGHT: Final = 1e-6
 
 
-def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bools, seen: Floats | None = None) -> float:
+def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bools, of: Floats | None = None) -> float:
     """Share of a motion that damping between modes makes: rms over the resonances, under broad loads on the structure.
-
-    damping [k, k] [rad/s]; omega [k].
 
     To first order: off the diagonal it drives a mode with what the others do.
 
     Parameters
     ----------
+    damping, omega : Floats [k, k], Floats [k]
+        Of the modes [rad/s].
     structure : Floats [m, k]
         Motion of the structure in every mode.
     true : Bools [k]
         Has a resonance that means something.
-    seen : Floats | None [p, k]
-        The motion that is looked at in every mode, as that of the air; the structure's if left out.
+    of : Floats | None [p, k]
+        The motion of which the share is, in every mode, as that of the air; the structure's if left out.
     """
     between = damping - np.diag(np.diag(damping))
     if not between.any():
@@ -56,7 +55,7 @@ def coupling_share(damping: Floats, omega: Floats, structure: Floats, true: Bool
     answer = 1.0 / (omega**2 - at**2 + 1j * at * own)
     motion = answer[:, :, None] * loads
     change = answer[:, :, None] * (at[:, :, None] * (between @ motion))
-    rows = structure if seen is None else seen
+    rows = structure if of is None else of
     sizes = [float(np.linalg.norm(np.tensordot(rows, part, axes=(1, 1)))) for part in (change, motion)]
     return sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0
 
@@ -190,7 +189,7 @@ def what_it_did(
     between : tuple[float, float, bool]
         What damping between modes makes of the motion of the structure and of the air, and whether it is kept.
     """
-    stray, in_air, kept = between
+    in_structure, in_air, kept = between
     added = air.compression[0, : len(basis.omega)][basis.modes] ** 2
     share = np.divide(added, added + basis.omega[basis.modes] ** 2, out=np.zeros_like(added), where=added > 0)
     stiffened = int(share.argmax())
@@ -205,8 +204,8 @@ def what_it_did(
         f"The air of the room ({closed}) reacts on the structure with {n} room modes below {air.complete_below_hz:.4g} "
         f"Hz{also}, the others as added mass: mode {stiffened + 1}, {before:.2f} Hz in vacuo, is mode {partner + 1} at "
         f"{after:.2f} Hz. Mode numbers, frequencies and the energy of the modes are those with the air. Damping "
-        f"between its modes causes {stray:.1e} of the motion of the structure, {in_air:.1e} of that of the air, and is "
-        f"{'included' if kept else 'left out'}",
+        f"between its modes causes {in_structure:.1e} of the motion of the structure, {in_air:.1e} of that of the air, "
+        f"and is {'included' if kept else 'left out'}",
         {
             "in_vacuo_hz": before,
             "coupled_hz": after,
@@ -214,7 +213,7 @@ def what_it_did(
             "coupled_mode": partner + 1.0,
             "cavity_modes": float(n),
             "cavity_modes_up_to_hz": air.complete_below_hz,
-            "damping_between_modes": stray,
+            "damping_between_modes": in_structure,
             "damping_between_modes_in_air": in_air,
         },
     )
@@ -312,13 +311,13 @@ def with_cavity(
     viscous = turn.T @ (pad_rows(viscous, len(turn)) + air.viscous) @ turn
     hysteretic = turn.T @ (pad_rows(basis.hysteretic, len(turn)) + air.hysteretic) @ turn
     hysteretic[:n_rigid, :] = hysteretic[:, :n_rigid] = 0.0
-    of_air = turn[k : k + len(air.frequency_hz)] * coupled[None, :]
-    damping = in_time(viscous, hysteretic, coupled)
-    stray, in_air = (coupling_share(damping, coupled, own[basis.modes], ~residual, seen) for seen in (None, of_air))
+    damping, moved = in_time(viscous, hysteretic, coupled), own[basis.modes]
+    rates_of_air = turn[k : k + len(air.frequency_hz)] * coupled  # pressures go with them
+    in_structure = coupling_share(damping, coupled, moved, ~residual)
+    in_air = coupling_share(damping, coupled, moved, ~residual, rates_of_air)
     # The resistance of a leak or of a wall that yields is a dashpot, never a modal ratio.
-    kept = max(stray, in_air) >= NEGLIGIBLE_DAMPING_COUPLING
-    kept = kept or leak is not None or bool(basis.volumes) or air.resisted
-    kept = kept or bool(hidden.any())
+    dashpots = leak is not None or bool(basis.volumes) or air.resisted or bool(hidden.any())
+    kept = dashpots or max(in_structure, in_air) >= NEGLIGIBLE_DAMPING_COUPLING
     kinds: tuple[Kind, ...] = tuple(
         "rigid" if number < n_rigid else "residual" if pseudo else "elastic" for number, pseudo in enumerate(residual)
     )
@@ -338,7 +337,7 @@ def with_cavity(
     )
     first_hz = float(joined.frequency_hz[np.array(kinds) == "elastic"][:1].sum())
     advised = [Finding(one.code, one.message, one.values) for one in room.coupling_advice(first_hz)]
-    findings = (what_it_did(basis, joined, own, air, (stray, in_air, kept), name), *cut(air, reach), *advised)
+    findings = (what_it_did(basis, joined, own, air, (in_structure, in_air, kept), name), *cut(air, reach), *advised)
     return replace(joined, findings=(*basis.findings, *findings))
 
 

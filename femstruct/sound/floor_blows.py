@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from acoustics.arrays import Complexes
-from acoustics.levels.bands import third_octave_bands
+from acoustics.levels.bands import nominal_bands
 from acoustics.levels.statistical import InfinitePlate, band_exposures
 from femstruct.arrays import Floats, Integers
 from femstruct.conventions import GRAVITY
@@ -67,7 +67,6 @@ LONGER: Final = 4.0  # ... and how many times longer as long as the contact is c
 LONGEST_S: Final = 2.0
 GONE: Final = 1e-6  # of the peak: less of a force that dies away and never ends, as of a stiff hammer, is over
 NO_MASS_S: Final = 1e-7  # mass of what is struck over its resistance: gone before any blow has begun
-_MOST_HZ: Final = 1e6
 
 
 def blow_exposures(
@@ -86,7 +85,7 @@ def blow_exposures(
     enough, since a blow is decided by its own mass and spring on all floors that are much heavier.
     """
     resistance = 1.0 / float(plate.mobility(np.array([sqrt(bands_hz[0] * bands_hz[-1])]))[0])
-    every = third_octave_bands(_MOST_HZ)
+    every = nominal_bands(3)
     centres = {band: every[band] for band in bands_hz}
     alike: dict[tuple[float, float, Law], int] = {}
     for one in blows:

@@ -12,7 +12,7 @@ import numpy as np
 
 from acoustics.arrays import Complexes
 from acoustics.fields.sound_field import SoundField
-from acoustics.levels.bands import band_edges, decibels, octave_bands, passes_below, third_octave_bands
+from acoustics.levels.bands import band_edges, decibels, nominal_bands, passes_below
 from acoustics.levels.rated import Ensemble, RatedRoom
 from acoustics.levels.sound_levels import REFERENCE_SQUARED, exposures, largest_fast
 from acoustics.levels.standards import Method, energy_average
@@ -61,7 +61,6 @@ from femstruct.workflow.rated_rooms import averaging_window, blow_interval, meth
 # Floors that statistical energies are for: one bare plate under standard blows; of others, why not.
 # ----------------------------------------------------------------------------------------------------------------------
 
-_MOST_HZ: Final = 1e6
 HAMMER_HEAD_M: Final = 0.015  # radius of a tapping machine's hammer, ISO 10140-5 annex E
 ASKEW: Final = 1e-6  # of the rigidities: coupling of bending and twist of layers at an angle
 
@@ -303,7 +302,7 @@ class Drops:
 
 def low_bands(plan: RoomPlan, method: Method, end_hz: float) -> dict[float, float]:
     """Rated bands {nominal: exact centre} [Hz] of modes below an end, in which modes of the room stand alone."""
-    every = octave_bands(_MOST_HZ) if method.fraction == 1 else third_octave_bands(_MOST_HZ)
+    every = nominal_bands(method.fraction)
     centres = {band: every[band] for band in method.bands_hz}
     t60 = t60_of(plan.room.losses, method.bands_hz[0])
     top = min(HIGHEST_HZ * 10**0.01, single_modes_hz(t60, plan.room.volume)) if isfinite(t60) else 0.0
@@ -629,7 +628,7 @@ def _modes(plate: RadiatingPlate, method: Method) -> dict[float, float]:
 
 def _widths(method: Method) -> tuple[Floats, Floats]:
     """Exact centres and widths of the bands of a method [Hz]."""
-    every = octave_bands(_MOST_HZ) if method.fraction == 1 else third_octave_bands(_MOST_HZ)
+    every = nominal_bands(method.fraction)
     centres = np.array([every[band] for band in method.bands_hz])
     edges = np.array([band_edges(centre, method.fraction) for centre in centres.tolist()])
     return centres, edges[:, 1] - edges[:, 0]
@@ -656,5 +655,5 @@ def _thirds(method: Method) -> tuple[float, ...]:
 
 def _members(method: Method) -> dict[float, Sequence[float]]:
     """The third octaves of each octave, by nominal centres."""
-    thirds = list(third_octave_bands(_MOST_HZ))
+    thirds = list(nominal_bands(3))
     return {band: thirds[thirds.index(band) - 1 : thirds.index(band) + 2] for band in method.bands_hz}

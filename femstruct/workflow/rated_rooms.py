@@ -129,7 +129,7 @@ def missed_times(plan: RoomPlan) -> tuple[Advice, ...]:
     return t60_missed({f: plan.room.t60(f) for f in plan.t60_asked}, plan.t60_asked)
 
 
-def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice | Finding, ...]:
+def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Finding, ...]:
     """Few places, and blows that the standards do not rate: what takes no modes.
 
     Parameters
@@ -137,10 +137,10 @@ def rated_findings(plan: RoomPlan, study: Study, drops: int = 1) -> tuple[Advice
     drops : int
         At how many places the source strikes.
     """
-    found: list[Advice | Finding] = []
     method = method_for(plan, study)
     if method is None:
-        return tuple(found)
+        return ()
+    found: list[Finding] = []
     if min(drops, len(plan.receivers)) < method.fewest:
         found.append(
             Finding(

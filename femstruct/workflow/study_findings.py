@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from acoustics.errors import Advice
-from acoustics.levels.bands import octave_bands, passes_below, third_octave_bands
+from acoustics.levels.bands import nominal_bands, passes_below
 from acoustics.levels.sound_levels import LEAST_SAMPLING_HZ
 from acoustics.levels.standards import Method
 from femstruct.errors import Finding, list_some
@@ -94,7 +94,6 @@ def near_microphones(plan: RoomPlan, study: Study, places: Places) -> tuple[Find
 # ----------------------------------------------------------------------------------------------------------------------
 
 _SOLVED: Final[Mapping[str, float]] = MappingProxyType({})
-_FAST_HZ: Final = 1e6  # a sampling that has all bands
 
 
 def blank_findings(plan: RoomPlan, study: Study, complete_below_hz: float) -> tuple[Finding, ...]:
@@ -165,7 +164,7 @@ def room_silent() -> Finding:
 
 def blank_bands(method: Method, end_hz: float) -> tuple[float, ...]:
     """Nominal centres [Hz] of the bands of a method whose filters pass what lies above a frequency."""
-    centres = octave_bands(_FAST_HZ) if method.fraction == 1 else third_octave_bands(_FAST_HZ)
+    centres = nominal_bands(method.fraction)
     return tuple(band for band in method.bands_hz if not passes_below(centres[band], end_hz, method.fraction))
 
 

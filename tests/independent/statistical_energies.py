@@ -213,7 +213,7 @@ def blow(mass: float, speed: float, law: Law, resistance: float) -> tuple[Floats
     def left(_: float, y: Floats) -> float:
         return float(y[0]) if y[1] - force(y[0], y[1]) / resistance < 0 else 1.0
 
-    left.terminal = True  # type: ignore[attr-defined]
+    left.terminal = True
     end = 2e-3
     while True:
         solved = solve_ivp(

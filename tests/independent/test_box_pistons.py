@@ -1,20 +1,12 @@
-"""Pistons in the walls of a box against the piston in its ceiling, reciprocity, and the compression of all the air."""
+"""Pistons in the walls of a box: reciprocity, and the compression of all the air; one in a ceiling is done by hand."""
 
 import numpy as np
 import pytest
 
 from tests.independent.box_pistons import Piston, PistonsBox
-from tests.independent.pistons import PistonBox
 
 SIZE = (3.0, 2.5, 2.0)
 S = 2j * np.pi * np.array([3.0, 40.0, 90.0]) + 1.0
-
-
-def test_a_ceiling_alone_is_the_piston_box() -> None:
-    one, other = PistonsBox(SIZE, gamma=9.0), PistonBox(SIZE, (0.4, 0.7, 1.2, 0.9), gamma=9.0)
-    above = Piston("ceiling", (0.4, 0.7), (1.2, 0.9))
-    assert one.at(S, [above], (1.0, 2.0, 0.3))[0] == pytest.approx(other.per_velocity(S, (1.0, 2.0, 0.3)))
-    assert one.between(S, [above])[:, 0, 0] == pytest.approx(other.on_piston(S))
 
 
 def test_forces_between_all_walls_are_mutual() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.independent import levels
-from tests.independent.pistons import Oscillator, PistonBox
+from tests.independent.pistons import Oscillator, ceiling_piston
 from tests.independent.plates import (
     Box,
     SupportedPlate,
@@ -118,7 +118,7 @@ def test_air_that_pushes_back_and_power() -> None:
 def test_a_piston_over_a_box_by_another_sum() -> None:
     """Orders of the ceiling in closed form along the height, or by cosines of the height; and a piston that is all."""
     size, gamma, tau, s = (1.4, 1.1, 0.9), 20.0, 1e-5, 2j * pi * np.array([30.0, 170.0, 260.0])
-    piston, place = PistonBox(size, (0.2, 0.3, 0.8, 0.5), gamma=gamma, tau=tau, orders=12), (0.3, 0.2, 0.4)
+    piston, place = ceiling_piston(size, (0.2, 0.3, 0.8, 0.5), gamma=gamma, tau=tau, orders=12), (0.3, 0.2, 0.4)
     box = Box(size, gamma=gamma, tau=tau)
 
     def along(order: int, start: float, long: float, whole: float) -> float:
@@ -131,7 +131,7 @@ def test_a_piston_over_a_box_by_another_sum() -> None:
     )  # fmt: skip
     # the tail of the sum along the height, as at rest beyond 200 orders
     assert piston.per_velocity(s, place) == pytest.approx(right, rel=1e-5)
-    whole = PistonBox(size, (0.0, 0.0, 1.4, 1.1), orders=3)
+    whole = ceiling_piston(size, (0.0, 0.0, 1.4, 1.1), orders=3)
     k = s.imag / 343.0
     # all orders but the first are rounding
     assert whole.on_piston(s) == pytest.approx(-1j * 1.21 * 343 * 1.54 / np.tan(k * 0.9), rel=1e-9)
@@ -139,7 +139,7 @@ def test_a_piston_over_a_box_by_another_sum() -> None:
 
 def test_a_piston_on_air_that_leaks() -> None:
     """Slowly, air is a spring rho c^2 S^2 / V; where the leak has no impedance there is no pressure."""
-    whole, moved = PistonBox((1.4, 1.1, 0.9), (0.0, 0.0, 1.4, 1.1), orders=3), Oscillator(10.0, 50.0, 0.02)
+    whole, moved = ceiling_piston((1.4, 1.1, 0.9), (0.0, 0.0, 1.4, 1.1), orders=3), Oscillator(10.0, 50.0, 0.02)
     s, place = 2j * pi * np.array([0.1]), (0.3, 0.2, 0.4)
     spring, own = 1.21 * 343**2 * 1.54 / 0.9, 10.0 * (2 * pi * 50) ** 2
     found = whole.per_force(moved, s, place, True, None)

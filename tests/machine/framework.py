@@ -88,7 +88,7 @@ class Door:
                     (Path(place) / f"{name}.yaml").write_text(as_yaml(content), encoding="utf-8")
             try:
                 found = histories(Path(place) / "model.yaml")
-            except Exception as told:  # it refuses with words
+            except Exception as told:  # what it refuses comes back as words
                 raise Crashed(f"{type(told).__name__}: {told}") from told
         if isinstance(found, str):
             raise Refused(found)

@@ -49,7 +49,7 @@ def _pressure(model: Model, door: Door) -> Floats:
     return np.asarray(found["room.mic pressure"])
 
 
-def _fast(square: Floats, rate: float, seconds: float) -> float:
+def fast_level(square: Floats, rate: float, seconds: float) -> float:
     keep = np.exp(-1 / rate / seconds)
     return float(10 * np.log10(lfilter([1 - keep], [1, -keep], square).max() / levels.P0**2))
 
@@ -70,12 +70,14 @@ def _(rng: np.random.Generator) -> Case:
         mean = 10 * np.log10(model["study"]["time"]["duration"])
         peak = 20 * np.log10(np.abs(p).max() / levels.P0)
         flat = 20 * np.log10(np.abs(levels.passed(p, _RATE, levels.c_filter)).max() / levels.P0)
-        return np.array([peak, flat, *(_fast(heard**2, _RATE, one) for one in (0.125, 1.0, 0.035)), once, once - mean])
+        return np.array(
+            [peak, flat, *(fast_level(heard**2, _RATE, one) for one in (0.125, 1.0, 0.035)), once, once - mean]
+        )
 
     return Case(struck(rng), asked, right, 1e-5, "the same sound through the same filters: rounding", each=True)
 
 
-def _band(p: Floats, nominal: float, fraction: int) -> Floats:
+def band_passed(p: Floats, nominal: float, fraction: int) -> Floats:
     edge = 10 ** (0.15 / fraction)
     at = levels.exact(nominal)
     sos = butter(4, [at / edge, at * edge], "bandpass", fs=_RATE, output="sos")
@@ -97,9 +99,9 @@ def _(rng: np.random.Generator) -> Case:
 
     def right(model: Model, door: Door) -> Floats:
         p = _pressure(model, door)
-        thirds = {band: _band(p, band, 3) for band in _inside(model, _THIRDS)}
-        octaves = {band: _band(p, band, 1) for band in _inside(model, _OCTAVES)}
-        fast = [_fast(one**2, _RATE, 0.125) for one in (*thirds.values(), *octaves.values())]
+        thirds = {band: band_passed(p, band, 3) for band in _inside(model, _THIRDS)}
+        octaves = {band: band_passed(p, band, 1) for band in _inside(model, _OCTAVES)}
+        fast = [fast_level(one**2, _RATE, 0.125) for one in (*thirds.values(), *octaves.values())]
         once = [10 * np.log10(float((one**2).sum()) / _RATE / levels.P0**2) for one in thirds.values()]
         return np.array([*fast, *once])
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.independent.pistons import Oscillator, PistonBox
+from tests.independent.pistons import CeilingPiston, Oscillator, ceiling_piston
 from tests.machine.framework import Case, Door, Floats, Model, capability
 from tests.machine.of_files import deck
 from tests.machine.rooms import between, even, lines_of, losses_of, parts_of, responses, rounded
@@ -45,7 +45,7 @@ def piston_structure(rng: np.random.Generator, hz: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _losses(rng: np.random.Generator, hz: float) -> dict[str, Any]:
+def losses_near(rng: np.random.Generator, hz: float) -> dict[str, Any]:
     kind, ratio = int(rng.integers(3)), even(rng, 0.005, 0.03)
     at = rounded(hz * float(rng.uniform(0.8, 1.3)))
     return [{"t60": even(rng, 0.2, 0.8)}, {"beta": ratio, "at": at}, {"loss_factor": 2 * ratio, "at": at}][kind]
@@ -70,7 +70,7 @@ def scene(rng: np.random.Generator, coupling: str, leaks: bool = False) -> dict[
     structure = piston_structure(rng, own)
     a, b = structure["parts"]["p"]["size"]
     room: dict[str, Any] = {
-        "size": size, "air": air, "under": "low", "losses": _losses(rng, first),
+        "size": size, "air": air, "under": "low", "losses": losses_near(rng, first),
         "at": [even(rng, a / 2, size[0] - a / 2), even(rng, b / 2, size[1] - b / 2)],
         "receivers": {"mic": [rounded(s * float(rng.uniform(0, 0.9))) for s in size]},
     }  # fmt: skip
@@ -100,15 +100,19 @@ def piston_of(structure: Model) -> Oscillator:
     return Oscillator(mass, hz, damping.get("loss_factor", 2 * damping.get("ratio", 0.0)), "loss_factor" in damping)
 
 
-def box_of(stated: Model, structure: Model, orders: int = 80) -> PistonBox:
+def lost_in(stated: Model) -> Mapping[str, float]:
+    """What the losses of a room are, in their form; names as of `tests.independent.box_pistons.PistonsBox`."""
+    told = stated["losses"]
+    if stated.get("form") == "source":
+        return {"beta": told["beta"] if "beta" in told else told["loss_factor"] / 2}
+    return dict(losses_of(told))
+
+
+def box_of(stated: Model, structure: Model, orders: int = 80) -> CeilingPiston:
     """The box of a room and the piston in its ceiling."""
     a, b = structure["parts"]["p"]["size"]
     piston = (stated["at"][0] - a / 2, stated["at"][1] - b / 2, a, b)
-    lost: Mapping[str, float] = losses_of(stated["losses"])
-    if stated.get("form") == "source":
-        told = stated["losses"]
-        lost = {"beta": told["beta"] if "beta" in told else told["loss_factor"] / 2}
-    return PistonBox(tuple(stated["size"]), piston, **stated["air"], **lost, orders=orders)
+    return ceiling_piston(tuple(stated["size"]), piston, **stated["air"], **lost_in(stated), orders=orders)
 
 
 def _right(model: Model, _: Door) -> Floats:

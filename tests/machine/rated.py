@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from tests.independent import contact_events as ev
 from tests.independent import levels
 from tests.machine.framework import Case, Door, Floats, Model, capability
-from tests.machine.heard import _band, _fast
+from tests.machine.heard import band_passed, fast_level
 from tests.machine.impacts import G
 from tests.machine.laws import between, rounded
 from tests.machine.pistons import box_of, piston_of, piston_structure
@@ -70,12 +70,17 @@ def heard(model: Model) -> Floats:
     return np.asarray(np.fft.irfft(spectrum, n)[:count] * np.exp(less * t))
 
 
-def _gain(t60: float) -> float:
+def fast_gain(t60: float) -> float:
     """Largest Fast mean square of a decay over its first value, by search: T60 / 1.7275 s is its time over Fast's."""
     c = t60 / 1.7275
     late = minimize_scalar(lambda x: -(np.exp(-x / c) - np.exp(-x)) / (1 - 1 / c), method="bounded",
                            bounds=(1e-3, 10.0), options={"xatol": 1e-10})  # fmt: skip
     return float(-late.fun)
+
+
+def standardised_by(room: Model) -> float:
+    """What standardising to 50 m^3 and 0.5 s adds to largest Fast levels [dB]."""
+    return 10 * log10(float(np.prod(room["size"])) / 50 * fast_gain(0.5) / fast_gain(room["losses"]["t60"]))
 
 
 def answer_of(model: Model, door: Door) -> dict[str, Any]:
@@ -100,10 +105,10 @@ def _(rng: np.random.Generator) -> Case:
         weighted = levels.passed(p, _RATE, levels.a_filter)
         once = 10 * log10(float((weighted**2).sum()) / _RATE / levels.P0**2)
         peak = 20 * log10(np.abs(p).max() / levels.P0)
-        single = [peak, *(_fast(weighted**2, _RATE, one) for one in (0.125, 1.0)), once]
-        more = 10 * log10(float(np.prod(room["size"])) / 50) - 10 * log10(_gain(room["losses"]["t60"]) / _gain(0.5))
+        single = [peak, *(fast_level(weighted**2, _RATE, one) for one in (0.125, 1.0)), once]
+        more = standardised_by(room)
         standardised = more if room["levels"] == ["ISO 16283-2"] else 0.0
-        bands = [_fast(_band(p, band, 3) ** 2, _RATE, 0.125) + standardised for band in _THIRDS[:9]]
+        bands = [fast_level(band_passed(p, band, 3) ** 2, _RATE, 0.125) + standardised for band in _THIRDS[:9]]
         return np.array([*single, *bands])
 
     return Case(struck(rng), asked, right, 3e-4, _WHY)
@@ -203,7 +208,7 @@ def _(rng: np.random.Generator) -> Case:
     def right(model: Model, door: Door) -> Floats:
         _, places = _rated(model, door)
         room = model["study"]["rooms"]["room"]
-        more = 10 * log10(float(np.prod(room["size"])) / 50) - 10 * log10(_gain(room["losses"]["t60"]) / _gain(0.5))
+        more = standardised_by(room)
         rows = [*(mean_of(places) + more), *np.std(places, axis=0, ddof=1)]
         numbers = [*_ball(places + more), *_ball(places)]
         return np.array([*rows, *numbers, *[_spread(_ball, places)] * 2, *[0.0, 1.0] * 4])
@@ -260,7 +265,7 @@ def _(rng: np.random.Generator) -> Case:
             other["study"]["bodies"]["ball"]["mass"] = one
             p = levels.passed(heard(other), _RATE, levels.a_filter) ** 2
             once = 10 * log10(float(p.sum()) / _RATE / levels.P0**2)
-            rows.append([_fast(p, _RATE, 0.125), _fast(p, _RATE, 1.0), once][: len(names)])
+            rows.append([fast_level(p, _RATE, 0.125), fast_level(p, _RATE, 1.0), once][: len(names)])
         return np.array(rows)
 
     return Case(model, asked, right, 3e-4, _WHY)

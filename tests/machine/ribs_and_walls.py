@@ -40,7 +40,7 @@ _HELD: Final[dict[str, tuple[tuple[int, ...], tuple[int, ...]]]] = {  # of sides
 _FACE: Final = {"below": -0.5, "middle": 0.0, "above": 0.5}
 _ORDER: Final = 7
 _END: Final = 0.1  # of a line: elements at its ends, where stresses are large
-_TIMES: Final = ((2, 4, 8), (3, 6))  # of ribs, of walls
+_TIMES: Final = {"ribs": (2, 4, 8), "wall": (3, 6)}
 _MOVES: Final = 0.15  # of the largest of the first mode: places that move by less are not looked at
 _ASIDE: Final = (
     *(*ASIDE, "joint-inside-cells", "wide-ribs", "arched-plate", "implausible"),
@@ -61,7 +61,7 @@ def _finer(model: Model, ask: Ask) -> Floats:
     """Of oblique ribs without what goes with the side of the cells and with its square: f(h) = f + a h + b h^2 at h,
     h/2, h/4. Of walls without the first alone, of meshes in which they lie alike in their cells."""
     found = []
-    for times in _TIMES["w" in model["parts"]]:
+    for times in _TIMES["wall" if "w" in model["parts"] else "ribs"]:
         finer: Any = copy.deepcopy(model)
         for part in finer["parts"].values():
             if "mesh" in part:

@@ -14,8 +14,8 @@ import numpy as np
 from tests.independent import levels
 from tests.independent.box_pistons import AXES, Piston, PistonsBox
 from tests.machine.framework import Case, Door, Floats, Model, capability
-from tests.machine.pistons import _losses as losses_near
-from tests.machine.rooms import between, even, lines_of, losses_of, parts_of, responses, rounded
+from tests.machine.pistons import losses_near, lost_in
+from tests.machine.rooms import between, even, lines_of, parts_of, responses, rounded
 
 Draft = dict[str, Any]
 WALLS: Final = tuple(AXES)
@@ -145,11 +145,7 @@ def pistons_of(model: Model) -> list[Piston]:
 
 def box_of(model: Model, orders: int = 60) -> PistonsBox:
     stated = model["study"]["rooms"]["room"]
-    lost = losses_of(stated["losses"])
-    if stated.get("form") == "source":
-        told = stated["losses"]
-        lost = {"beta": told["beta"] if "beta" in told else told["loss_factor"] / 2}
-    return PistonsBox(tuple(stated["size"]), **stated["air"], **lost, orders=orders)
+    return PistonsBox(tuple(stated["size"]), **stated["air"], **lost_in(stated), orders=orders)
 
 
 def together(model: Model) -> tuple[Floats, Floats, Floats]:

@@ -22,7 +22,7 @@ from tests.machine.framework import Case, Door, Floats, Model, capability
 from tests.machine.impacts import G
 from tests.machine.laws import between, draw_law, law_of, rounded
 from tests.machine.plates import plies
-from tests.machine.rated import _gain, answer_of
+from tests.machine.rated import answer_of, fast_gain
 from tests.machine.rooms import even, losses_of
 
 Draft = dict[str, Any]
@@ -307,7 +307,7 @@ def _correction(model: Model) -> Floats:
     times = [room.t60(float(band)) for band in bands]
     if model["study"]["bodies"]["s"]["source"] == "tapping machine":
         return np.array([-10 * log10(one / 0.5) for one in times])
-    return np.array([10 * log10(room.volume / 50) - 10 * log10(_gain(one) / _gain(0.5)) for one in times])
+    return np.array([10 * log10(room.volume / 50) - 10 * log10(fast_gain(one) / fast_gain(0.5)) for one in times])
 
 
 def _told(model: Model, door: Door) -> dict[str, Any]:
