@@ -90,9 +90,18 @@ def test_a_fault_that_the_unchanged_program_has_too_is_no_difference() -> None:
         return "fault" if one.index == 2 else "right"
 
     differing = running.differs({"a 0": "right", "a 1": "right"}, unchanged)
-    verdicts = [(0, "right"), (0, "fault"), (2, "fault"), (3, "fault"), (4, "told"), (1, "slow"), (3, "fault")]
+    verdicts = [
+        (0, "right"),
+        (0, "fault"),
+        (2, "fault"),
+        (3, "fault"),
+        (4, "told"),
+        (1, "slow"),
+        (3, "fault"),
+        (1, "slow"),
+    ]
     found = [differing(running.Checked("a", index, verdict)) for index, verdict in verdicts]
-    assert found == [False, True, False, True, False, True, True] and asked == [("a", 2), ("a", 3), ("a", 1)]
+    assert found == [False, True, False, True, False, True, True, True] and asked == [("a", 2), ("a", 3), ("a", 1)]
     assert running.differs({})(running.Checked("a", 9, "crashed"))
 
 
